@@ -3,6 +3,7 @@
 #define TICKTRUE_PRECISION f32
 #include <benchmark/benchmark.h>
 
+#include <cstdlib>
 #include <string>
 #include <vector>
 

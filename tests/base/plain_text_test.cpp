@@ -37,7 +37,7 @@ TEST_CASE("bytes that are no UTF-8 become the replacement character", "[base][pl
   CHECK(plain_text("\xe0\x80\xaf") == mark);                // overlong
   CHECK(plain_text("\xed\xa0\x80") == mark);                // a surrogate
   CHECK(plain_text("\xf4\x90\x80\x80") == mark);            // beyond U+10FFFF
-  CHECK(plain_text("\xe2\x1b[2J") == mark + "\\u001b[2J");  // what follows a cut character is looked at
+  CHECK(plain_text("\xe2\x1b[2J") == mark + "\\u001b[2J");  // bytes behind a cut character are escaped, too
 }
 
 TEST_CASE("no line begins a workflow command, and none holds the older form", "[base][plain_text][analytic]") {

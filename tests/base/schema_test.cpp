@@ -49,7 +49,7 @@ TableSchema& add_child(StateSchema& schema, const std::string& name, TableForm f
   return child;
 }
 
-/// Something of everything: a table that is shown alone stands before those that are judged.
+/// A schema with every feature. A table that is only shown stands before the judged ones.
 StateSchema sample() {
   StateSchema schema;
   TableSchema& sparks = add_table(schema, "sparks");

@@ -29,7 +29,7 @@ using ticktrue::test::TracePath;
 constexpr std::uint64_t endless = ~std::uint64_t{0};
 constexpr std::size_t cell_count = 300;
 
-/// All of it is saved; half of it is registered.
+/// Every member is saved, half of them are registered.
 struct World {
   std::uint64_t tick = 0;
   std::uint64_t generator = 1;  // not registered: without the save, the ticks cannot go on
@@ -103,7 +103,7 @@ int play(const Game& game, int mode, const std::string& path, std::uint64_t tick
   return code;
 }
 
-/// The same in a process that knows nothing of this one's runs.
+/// The same in a fresh process.
 int play_alone(const Game& game, const std::string& path) {
   const pid_t child = ::fork();
   if (child == 0) ::_exit(play(game, TICKTRUE_VERIFY, path, endless));
@@ -147,7 +147,7 @@ TEST_CASE("what a killed session leaves in its black box verifies alone, 20 of 2
     other.forgets = true;
     CHECK(play_alone(other, path("f.ttr")) == 1);
   }
-  CHECK(latest > 1000);  // else no box went round
+  CHECK(latest > 1000);  // the box has overwritten its oldest ticks
 }
 
 TEST_CASE("a box that was closed holds its last ticks with the recorded roots", "[capi][box]") {

@@ -19,7 +19,7 @@ using ticktrue::test::TracePath;
 
 namespace {
 
-/// A pond: ducks move, stones do not, and nobody comes to the bench.
+/// Three tables: ducks move, stones and visitors never change.
 struct Pond {
   struct Duck {
     std::uint32_t id = 0;
@@ -76,7 +76,7 @@ std::string pond_report(ticktrue_session* session, int& exit_code) {
   return text;
 }
 
-/// Opens with the words behind the program's name.
+/// Opens a session with these words of a command line.
 ticktrue_session* open_pond(std::vector<std::string> words, ticktrue_options options) {
   words.insert(words.begin(), "pond");
   std::vector<char*> arguments;
@@ -102,7 +102,7 @@ TEST_CASE("a session that closes tells what had no part in it", "[capi][closing]
       CAPTURE(text);
       CHECK(exit_code == 0);
       CHECK(contains(text, "  note    tables that stayed empty: bench\n"));
-      // In tick 7 a colour changes. Keys are never told.
+      // In tick 7 a colour changes. Unchanged keys are never named.
       CHECK(contains(text, ticks < 8 ? "  note    columns that never changed: ducks.colour, stones.place\n"
                                      : "  note    columns that never changed: stones.place\n"));
       ticktrue_close(session);
@@ -210,7 +210,7 @@ TEST_CASE("a full disk ends the recording, and the game goes on", "[capi][closin
     CHECK(contains(text, file));
     CHECK(contains(text, ": recording ends, the game goes on"));
     ticktrue_close(session);
-    // What was written before is a truncated trace.
+    // The file is a truncated trace.
     auto reader = ticktrue::replay::TraceReader::open(file);
     REQUIRE(reader.has_value());
     while (!std::holds_alternative<std::monostate>(reader->next())) continue;

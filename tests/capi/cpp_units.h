@@ -17,7 +17,7 @@ struct Vec2 {
 struct Vec3 {
   double x, y, z;
 };
-/// As vector libraries have it: the same bytes under several names.
+/// As in vector libraries: several names for the same bytes.
 struct Vec4 {
   union {
     float x, r;
@@ -92,7 +92,7 @@ TICKTRUE_COLUMNS(Unit, key(id), is_alive, letter, mood, level, hp, armor, gold, 
                  order, pos, far, color, turn, ammo, wear, corners, doors, hand, bag, reference(target, "units"),
                  shown(glow))
 
-/// What the line above means.
+/// The columns that the line above stands for.
 struct ExpectedColumn {
   const char* name;
   int type;

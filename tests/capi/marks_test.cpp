@@ -22,7 +22,7 @@ namespace {
 
 constexpr std::uint64_t tick_count = 40;
 
-/// What the program does in a tick beside what it always does. The tick counts from 0.
+/// Additional calls of the program in a tick. The tick counts from 0.
 using Extra = std::function<void(ticktrue_session*, std::uint64_t tick)>;
 
 struct MarkRun {
@@ -325,7 +325,7 @@ TEST_CASE("wrong marks and notes are told, and crash nothing", "[capi][marks][co
   }
   REQUIRE(ticks[6].notes.size() == 1);
   CHECK(ticks[6].notes[0].text.size() == 4'096);
-  // Ticks whose marks are not known are compared with nothing.
+  // Ticks without known marks are not compared.
   CHECK_FALSE(contains(verify_marks(run.path,
                                     [](ticktrue_session* s, std::uint64_t tick) {
                                       if (tick >= 3 && tick <= 5) ticktrue_mark(s, "rand", 9);

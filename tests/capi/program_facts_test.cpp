@@ -132,7 +132,7 @@ TEST_CASE("a red report of a session tells the programs and what differs, not th
     "changes_bits": true})"));
   CHECK(json["builds"]["differ"][1]["changes_bits"] == false);
 
-  // One side that tells nothing is told as such, and nothing is said to differ.
+  // If one side gives no facts, the report says so, and names no difference.
   const Run silent = count_ticks(path("x.ttr"), TICKTRUE_VERIFY, nullptr, 1);
   CAPTURE(silent.text);
   CHECK(contains(silent.text, "program recorded gcc 12.2.0, c17"));
@@ -310,7 +310,7 @@ TEST_CASE("facts that change bits come first, whatever their order in the traces
   CHECK(names == "u.fused fused fast_math flt_eval_method compiler ");
   CHECK(verifier::fact_differences(a, a).empty());
   CHECK(verifier::fact_differences(a, {{"version", "2"}}).empty());
-  // A fact that one side does not tell is no cause.
+  // A fact that one side lacks is no cause.
   b.erase(b.begin() + 1);
   const std::vector<FactDifference> found = verifier::fact_differences(a, b);
   REQUIRE(found.size() == 5);

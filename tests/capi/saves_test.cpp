@@ -21,7 +21,7 @@ namespace {
 
 constexpr std::uint64_t saved_tick_count = 100;
 
-/// Everything is state and everything is saved.
+/// Every member is state, and is saved.
 struct SavedGame {
   struct State {
     std::uint64_t tick = 0;
@@ -268,7 +268,7 @@ TEST_CASE("a fault is found from every save, and its verdict names the load", "[
     CHECK(contains(outcome.report, "balls.place"));
     CHECK(contains(outcome.report, "the load callback brought the program back") == (from > 0));
   }
-  // What is not saved: the run from the setup is as recorded, the run behind load is not.
+  // A value that is not saved: the run from the setup is as recorded, the run after load is not.
   SavedGame recorded;
   recorded.reads_secret = true;
   REQUIRE(play(recorded, saved_options(recorded, TICKTRUE_RECORD, path("secret.ttr"))).exit_code == 0);
@@ -308,7 +308,7 @@ TEST_CASE("a session goes to any save while it verifies", "[capi][saves][seek]")
   }
   run_to_end();
   CHECK(ticktrue_status(game.session) == TICKTRUE_END);
-  // Behind the end, too.
+  // The same behind the end.
   REQUIRE(ticktrue_seek(game.session, 64) == TICKTRUE_OK);
   run_to_end();
   SavedOutcome outcome = close(game);
@@ -336,7 +336,7 @@ TEST_CASE("a session goes to any save while it verifies", "[capi][saves][seek]")
   CHECK(contains(outcome.report, "balls.place"));
 }
 
-/// What a callback does, and what is said of it.
+/// An action of a callback, and the message about it.
 struct Misbehaviour {
   const char* name;
   std::function<std::size_t(SavedGame&, void*, std::size_t)> save;
@@ -493,7 +493,7 @@ TEST_CASE("a damaged or missing save is told, and another one is taken", "[capi]
       if (from == 0) options.flags |= TICKTRUE_RESTORE;
       const SavedOutcome outcome = play(game, options, 200);
       CAPTURE(round, at, from, outcome.report);
-      // What stands before the save that is taken is not read.
+      // The bytes before the chosen save are not read.
       if (from == 0 || is_cut) CHECK(outcome.exit_code >= 2);
       CHECK(outcome.exit_code != 1);
       CHECK(outcome.report.size() > 20);
@@ -552,7 +552,7 @@ TEST_CASE("options of saves are checked, and words of the command line are read 
                  "--mode: found hard behind it, expected replay or restore"));
   CHECK(contains(with_words({"--from", "-1"}, true).report, "--from: found -1 behind it, expected a number"));
   CHECK(contains(with_words({"--sync-test"}, true).report, "--sync-test: found nothing behind it"));
-  // A program without load may have such words of its own.
+  // A program without load may use these words for itself.
   CHECK(contains(with_words({"--mode", "hard", "--from", "x"}, false).report, "100 of 100 ticks compared"));
 }
 

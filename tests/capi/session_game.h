@@ -18,7 +18,7 @@
 
 namespace ticktrue::test::sessions {
 
-/// A folder of its own, removed with all it holds.
+/// A temporary folder. Its destructor removes it.
 class TemporaryFolder {
  public:
   TemporaryFolder() {

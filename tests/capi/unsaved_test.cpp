@@ -21,7 +21,7 @@ namespace {
 
 constexpr std::uint64_t unsaved_tick_count = 120;
 
-/// What every program registers and saves, and what the mechanisms of the table keep beside it.
+/// The values that every program registers and saves, and the others, which belong to one mechanism of the table each.
 struct Arena {
   std::uint32_t tick = 0;
   double heat = 0;
@@ -52,7 +52,7 @@ struct Arena {
   std::string log;
 };
 
-// Variables that are not even members.
+// Variables outside of any object.
 std::uint32_t global_generator = 1;
 std::int32_t calls_of_spawn = 0;
 std::int32_t level_of_module = 0;
@@ -90,7 +90,7 @@ struct Unpacker {
 
 using Step = void (*)(Arena&, std::uint8_t button);
 
-/// A way to keep something between ticks. `pack` and `unpack` belong into save and load.
+/// A mechanism that keeps a value between ticks. `pack` and `unpack` belong into save and load.
 struct Mechanism {
   const char* name;
   Step step;
@@ -270,7 +270,7 @@ const Mechanism mechanisms[] = {
 };
 #undef ON_BOTH
 
-/// Mistakes in save and load of what is registered.
+/// Mistakes in save and load of registered values.
 enum class SaveMistake { none, forgets_a_value, forgets_new_rows, rounds };
 
 struct Program {

@@ -103,6 +103,7 @@ class Gallery:
     sites = 0  # of them with the place of the call
     clean_runs = []  # perturbed runs of each clean program
     alarms = 0  # clean programs that something of class A moved
+    time_max_s = 600  # of one command
 
     def __init__(self, tool, programs, library, full):
         self.tool, self.programs, self.full = tool, programs, full
@@ -121,7 +122,8 @@ class Gallery:
         return [python, os.path.join(SOURCE, "clean" if clean else "", name)]
 
     def run(self, words, codes):
-        done = subprocess.run(words, env=self.environment, stdin=subprocess.DEVNULL, capture_output=True, timeout=600)
+        done = subprocess.run(words, env=self.environment, stdin=subprocess.DEVNULL, capture_output=True,
+                              timeout=self.time_max_s)
         if done.returncode not in codes:
             raise Failed(f"{' '.join(words)}: exit code {done.returncode}, expected {codes}\n"
                          + done.stdout.decode(errors="replace")[-3000:] + done.stderr.decode(errors="replace")[-1000:])
@@ -358,4 +360,5 @@ def main():
     return 1 if failures else 0
 
 
-sys.exit(main())
+if __name__ == "__main__":
+    sys.exit(main())

@@ -18,7 +18,7 @@ struct World {
   const char* rule = "";
 };
 
-/// What each mistake adds to a score.
+/// The mistakes: each adds its value to a score.
 std::int64_t garbage() {
   auto* block = static_cast<volatile std::uint8_t*>(std::malloc(100));
   const std::int64_t value = block[40];  // nobody wrote it

@@ -9,7 +9,7 @@
 namespace ticktrue::test {
 namespace {
 
-// What `ticktrue describe ARGUMENT` prints, from tests/cli/describe.expected.
+// The output of `ticktrue describe ARGUMENT`, from tests/cli/describe.expected.
 std::string description_of(const std::string& argument) {
   std::ifstream in(std::string(TICKTRUE_SOURCE_DIR) + "/tests/cli/describe.expected");
   std::string text;

@@ -30,7 +30,7 @@ struct SourceHint {
   std::string text;  // from "ticktrue" to the end of the literal, or of the words that belong to the command
 };
 
-/// Of a literal what is a command, up to where its words end: a backtick, a comma, a semicolon or words of English.
+/// The command in a literal. It ends at a backtick, a comma, a semicolon or words of English.
 std::string command_part(const std::string& literal, std::size_t at) {
   std::string text = literal.substr(at);
   for (const char* end : {"`", ",", ";", " here", " lists", " shows", " tells", " says", " makes", "\\n"})

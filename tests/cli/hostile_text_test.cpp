@@ -22,7 +22,7 @@ namespace {
 const std::string hostile =
     "\x1b[31m\n::error::x\r  ##[error]y\x07\x7f\xc2\x9b"
     "2J\xe2\x80\xae\n::warning::z<script>&#10;\xff";
-// What a scene may say: C0 is refused there.
+// A text that a scene may hold: scenes refuse C0 characters.
 const std::string hostile_name =
     "::error::x ##[error]y\xc2\x9b"
     "2J\xe2\x80\xae</script>";
@@ -62,7 +62,7 @@ std::string first_fault(const std::string& text, bool has_annotations) {
   std::istringstream lines(text);
   for (std::string line; std::getline(lines, line);) {
     std::string escaped_controls = line;
-    // What plain_text would still change: it is idempotent.
+    // plain_text is idempotent: a second call changes nothing.
     if (has_annotations && (line.rfind("::error file=", 0) == 0 || line.rfind("::warning file=", 0) == 0)) continue;
     if (plain_text(escaped_controls) != line) return line;
   }

@@ -24,7 +24,7 @@ void write_inputs(const std::string& path, std::uint64_t tick_count) {
       << "\n";
 }
 
-/// What is left is true: ticks of the undisturbed recording, and the inputs of the next one.
+/// Checks that the rest holds ticks of the undisturbed recording, and the inputs of the next tick.
 void require_part_of(const ReadTrace& part, const ReadTrace& whole) {
   REQUIRE(part.ticks.size() <= whole.ticks.size());
   for (std::size_t i = 0; i < part.ticks.size(); ++i) REQUIRE(part.ticks[i] == whole.ticks[i]);
@@ -73,7 +73,7 @@ TEST_CASE("a recording killed at any moment keeps every earlier input and hash",
     CAPTURE(round, size);
     ::unlink(session.output.c_str());
     const ToolRun run(session.words(session.output), session.messages, {});
-    // As soon as the file is so long: somewhere in a tick, a checkpoint, the setup.
+    // Kills when the file has this size: within a tick, a checkpoint or the setup.
     struct stat now {};
     for (int wait = 0; wait < 100'000; ++wait) {
       if (::stat(session.output.c_str(), &now) == 0 && static_cast<std::size_t>(now.st_size) >= size) break;
@@ -107,7 +107,7 @@ TEST_CASE("a full disk ends a recording with one line, and every earlier tick is
     CAPTURE(size);
     ::unlink(session.output.c_str());
     const int code = ToolRun(session.words(session.output), session.messages, [size] {
-                       // As a disk with so much room: the write that passes it fails.
+                       // As a disk with this much space: the write beyond it fails.
                        std::signal(SIGXFSZ, SIG_IGN);
                        const rlimit limit{size, size};
                        ::setrlimit(RLIMIT_FSIZE, &limit);
@@ -135,7 +135,7 @@ TEST_CASE("a place that may not be written to is told, and nothing there changes
   std::ofstream{messages};
   for (const std::string& path : {session.folder.file(""), messages}) REQUIRE(::chmod(path.c_str(), 0777) == 0);
   const int code = ToolRun(session.words(inside), messages, [] {
-                     // root may write everywhere: then as nobody, who may not.
+                     // root may write everywhere: the tool runs as nobody.
                      if (::getuid() == 0 && (::setgid(65534) != 0 || ::setuid(65534) != 0)) ::_exit(126);
                    }).wait();
   const std::string text = text_of(messages);

@@ -204,7 +204,7 @@ TEST_CASE("a verdict by a plug-in is stored, its crash is not, and another libra
   write_file(moved, bytes);
   CHECK(contains(rude.run("", verify).output, "1 trace: 1 match; 0 cached, 1 verified"));
 
-  // A worker that claims forks for each trace and beats meanwhile.
+  // A worker with claims forks for each trace, and renews its claim while the child runs.
   std::vector<std::string> claiming = verify;
   claiming.emplace_back("--claim");
   CHECK(contains(rude.run("", claiming).output, "1 trace: 1 match; 1 cached, 0 verified"));
@@ -248,7 +248,7 @@ TEST_CASE("a signal that stops the tool stops the plug-in and what it forked", "
     CAPTURE(signal);
     std::filesystem::remove(rude.child);
     ChildCommand command;
-    // The plug-in hangs in the process of one file, which is two processes below the tool.
+    // The plug-in hangs in the process of one file. That is a grandchild of the tool.
     command.argv = {
         "sh",
         "-c",

@@ -70,7 +70,7 @@ struct PrintedCommand {
   std::string place() const { return document + ":" + std::to_string(line); }
 };
 
-/// Without "   # what it is for".
+/// Removes a comment: "   # why".
 std::string without_comment(std::string text) {
   if (const std::size_t mark = text.find("  #"); mark != std::string::npos) text.erase(mark);
   text.erase(text.find_last_not_of(' ') + 1);
@@ -288,7 +288,7 @@ class Folder {
   fs::path path_;
 };
 
-/// What differs from run to run, or from build to build, is taken out.
+/// Replaces the parts of a line that differ from run to run, or from build to build.
 std::string without_chance(const std::string& line) {
   static const std::pair<std::regex, const char*> rules[] = {
       {std::regex(R"([0-9.e-]+ ms/tick)"), "# ms/tick"},
@@ -300,8 +300,8 @@ std::string without_chance(const std::string& line) {
   return text;
 }
 
-/// The shown lines in their order; a line "..." (also indented) stands for any number of lines. Gives the first line
-/// that is not there, or nothing.
+/// The first of the shown lines that the output lacks; absent: it has all, in their order. A line "..." (also
+/// indented) stands for any number of lines.
 std::optional<std::string> missing_line(const std::vector<std::string>& shown, const std::string& output) {
   const std::vector<std::string> found = lines_of(output);
   std::size_t at = 0;
@@ -336,7 +336,7 @@ void check_dev(const PrintedCommand& command, const std::string& help) {
   }
 }
 
-/// A document's lines below a command, in place of which others are to stand.
+/// Lines of a document, below a command, and the lines that replace them.
 struct Replacement {
   std::size_t first = 0;  // counted from 0
   std::size_t count = 0;
@@ -426,7 +426,7 @@ TEST_CASE("every command that a document prints does what the document says", "[
     CHECK(row.is_used);
     ++counts[row.what.substr(0, row.what.find(' '))];
   }
-  // The table does not grow unseen: who adds a row writes the new number.
+  // Whoever adds a row also changes the count.
   CHECK(counts == exceptions.counts);
 }
 

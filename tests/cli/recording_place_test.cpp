@@ -39,7 +39,7 @@ struct LiveRecording {
     words.insert(words.end(), options.begin(), options.end());
     run.emplace(words, messages, prepare);
     send(R"({"tick":10,"kind":"impulse","body":1,"ix":1})");
-    // With the hashes of its first ticks, it is where it wants to be.
+    // The recording has its place once the file holds the hashes of the first ticks.
     for (int wait = 0; wait < 100'000; ++wait) {
       const auto reader = replay::TraceReader::open(output);
       if (reader && read_all(read_file(output)).ticks.size() == 10) return;
@@ -129,7 +129,7 @@ TEST_CASE("a file removed, replaced or cut while it is recorded gives an error",
     CHECK_FALSE(contains(text, "are whole in it"));
     CHECK_FALSE(contains(text, "recorded  "));
   }
-  // What another program put there stays.
+  // The file of another program stays.
   const LiveRecording live;
   write_file(live.output + ".new", Bytes{1, 2, 3});
   std::filesystem::rename(live.output + ".new", live.output);
@@ -260,7 +260,7 @@ TEST_CASE("recover of a file that changes meanwhile is an error, never an assert
     REQUIRE(ToolRun(words, messages, {}).wait() == 0);
     return read_file(path);
   };
-  // Two damaged traces whose setups and checkpoints differ: what is right of one is not of the other.
+  // Two damaged traces with different setups and checkpoints: a reader that mixes them must notice.
   Bytes one = recorded({"--detail", "full:0..3000"}),
         other = recorded({"--detail", "root", "--checkpoint-interval", "7"});
   const Bytes good = one;
@@ -272,7 +272,7 @@ TEST_CASE("recover of a file that changes meanwhile is an error, never an assert
     const int file = ::open(path.c_str(), O_WRONLY | O_CLOEXEC);
     for (bool first = true; !is_over; first = !first) {
       const Bytes& bytes = first ? one : other;
-      // In one call, so that what is opened mostly begins as a trace.
+      // In one call, so that the reader mostly opens a file that begins as a trace.
       if (::pwrite(file, bytes.data(), bytes.size(), 0) < 0) break;
       if (::ftruncate(file, static_cast<off_t>(bytes.size())) != 0) break;
     }

@@ -43,7 +43,7 @@ void leave_child(bool in_own_session) {
   ::_exit(0);
 }
 
-/// Until the file of leave_child is there: else the child would be ended before it could leave.
+/// Waits for the file of leave_child. Without that, the child would be ended before it could leave.
 void wait_for_child() {
   const char* path = std::getenv("RUDE_PLUGIN_CHILD");
   for (int i = 0; i < 5'000; ++i) {

@@ -51,7 +51,7 @@ struct Count {
   std::map<int, int> exit_codes;  // of verify
 };
 
-/// What is run on the i-th file: the lists have 7 and 11 entries, so that each mode meets each command.
+/// The commands for the i-th file. The lists have 7 and 11 entries, so that each mode meets each command.
 std::vector<Arguments> commands(std::uint64_t i, const std::string& file, const std::string& other,
                                 const std::string& saved) {
   const std::vector<Arguments> verify{{"verify", file},

@@ -15,7 +15,7 @@ namespace {
 using replay::ChunkKind;
 using replay::RecordTag;
 
-/// What a recipe changes of a recording that is else written as it is.
+/// The parts of a recording that a recipe changes. All else is written as it is.
 struct Changes {
   Bytes setup;                 // the payload
   replay::FactsPayload facts;  // the codec says whether images may be compressed
@@ -122,7 +122,7 @@ Bytes write(const Recording& from, const Changes& changes, const std::string& no
 
 // ---- Recipes ----
 
-/// An image of the schema with row counts up to what the limits allow; of zeros, so that it is small in the file.
+/// An image of the schema with row counts up to the limits. It holds zeros, so that it is small in the file.
 Bytes image_head(Random& random, const StateSchema& schema, std::uint64_t image_size, bool is_true) {
   // All rows stand in the first table: its count is at the front, the counts of the others are zeros at the end.
   const TableSchema& first = schema.tables.front();

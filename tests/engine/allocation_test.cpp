@@ -1,7 +1,7 @@
 // A tick of a scene that has settled allocates nothing: operator new is counted while it runs.
 // SPDX-License-Identifier: MIT
 //
-// Not counted: what stages with inputs decode, since inputs come with memory of their own.
+// Not counted: memory of decoded inputs, which is allocated by design.
 // Not under sanitizers, which bring their own operator new.
 #include <atomic>
 #include <cstdlib>

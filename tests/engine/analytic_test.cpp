@@ -186,7 +186,7 @@ TEST_CASE("discs of 1 kg and 3 kg at 4 and 0 m/s leave at -2 and 2, or -0.5 and 
       run_ticks(*engine, 60);
       const std::vector<BodyReport> bodies = engine->bodies();
       const double common = 4.0 * 1 / (1 + 3);
-      // What the soft contact adds on the way is taken out by relax, to rounding where nothing overlaps deeply.
+      // Relax removes the velocity that the soft contact adds, down to rounding where no shapes overlap deeply.
       const double tolerance = c.precision == Precision::f64 ? 1e-6 : 1e-5;
       CHECK(bodies[0].velocity.x == Approx(common - restitution * 4 * 3 / 4).margin(tolerance));
       CHECK(bodies[1].velocity.x == Approx(common + restitution * 4 * 1 / 4).margin(tolerance));
@@ -337,7 +337,7 @@ TEST_CASE("a box on a slope of 20 degrees holds above friction tan 20 and slips 
     const BodyReport box = engine->bodies()[1];
     const double acceleration = 10 * 0.05 * slope.sin;  // g (sin - mu cos)
     CHECK(box.velocity.x - speed == Approx(acceleration).epsilon(c.precision == Precision::f64 ? 1e-6 : 1e-3));
-    // In the first substep nothing presses yet, so that nothing rubs: at most g sin h is gained for good.
+    // In the first substep there is no normal force yet, and no friction: the box gains at most g sin h, and keeps it.
     const double h = scene.settings.dt / scene.settings.substeps;
     CHECK(box.center.x > acceleration * 4 / 2);
     CHECK(box.center.x < acceleration * 4 / 2 + 10 * slope.sin * h * 2);

@@ -28,7 +28,7 @@ Force force_of(ForceKind kind) {
 
 Body disc_of_1_kg(Point position) {
   Body body = body_of(disc_shape(0.5), position);
-  body.shapes[0].filter.mask = 0;  // it touches nothing
+  body.shapes[0].filter.mask = 0;  // no collisions
   body.mass = engine::ExplicitMass{1, {}, {}};
   return body;
 }
@@ -252,7 +252,7 @@ TEST_CASE("implicit_midpoint keeps stiff spring chains bounded and counts no uns
       }
       const auto engine = run(scene, 600);
       for (const BodyReport& body : engine->bodies()) {
-        // Eight metres of chain, and what its soft springs stretch by.
+        // Eight metres of chain, and the extension of its soft springs.
         CHECK(std::fabs(body.center.x) < 15);
         CHECK(std::fabs(body.center.y) < 15);
       }

@@ -23,7 +23,7 @@ using engine::ForceKind;
 using engine::JointMotor;
 using engine::Range;
 
-/// What a run came to.
+/// The outcome of a run.
 struct Outcome {
   bool refused = false;
   bool finite = true;
@@ -331,7 +331,7 @@ TEST_CASE("five slivers upon each other stand", "[engine][hostile][contacts]") {
       for (const engine::BodyReport& body : engine->bodies()) {
         if (body.type == BodyType::static_body) continue;
         CHECK(std::abs(body.center.x) < 0.1);
-        // What pgs leaves to its iterations is more than a thickness of 1 mm: there they only stay together.
+        // The remaining error of pgs exceeds a thickness of 1 mm: such bodies only stay together.
         if (way.settings.solver == SolverKind::pgs && height < 0.01) continue;
         CHECK(std::abs(body.angle) < 0.01);
         CHECK(body.center.y > 0);
@@ -551,7 +551,7 @@ TEST_CASE("a sensor over thousands sees each of them once", "[engine][hostile][e
   const auto table = engine->state().schema->find_table("sensors");
   REQUIRE(table.has_value());
   CHECK(engine->state().tables[*table].row_count == 3000);
-  // Sensors upon sensors see nothing of each other and cost no contacts.
+  // Sensors do not see each other, and need no contacts.
   Scene stacked = coincident(400, zone);
   runs_finite(stacked, 5, 100);
 }

@@ -130,7 +130,7 @@ Swing swing_of(const Scene& scene) {
 
 // ---- Impacts located in time ----
 
-// Every contact bounces with `restitution`, at the moment of impact; nothing rubs.
+// Every contact bounces with `restitution`, at the moment of impact, without friction.
 void set_bounces(Scene& scene, double restitution) {
   scene.settings.locate_impacts = true;
   scene.settings.restitution_threshold = 0;

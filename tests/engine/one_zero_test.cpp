@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: MIT
 //
 // Verified: after each stage of each tick, in sessions with every solver, integrator, joint, shape, force and input.
-// Not verified: states loaded from an image, which keep what the image has.
+// Not verified: states loaded from an image, which keep a -0 of the image.
 #include <fstream>
 #include <iterator>
 

@@ -37,7 +37,7 @@ void put(Bytes& file, std::uint64_t offset, ByteView part) {
   std::copy(part.begin(), part.end(), file.begin() + static_cast<std::ptrdiff_t>(offset));
 }
 
-/// What the roots of a slot must be in a recovered trace.
+/// The roots that a slot must have in a recovered trace.
 struct SlotTicks {
   std::uint64_t generation = 0;
   std::uint64_t first_tick = 0;
@@ -75,7 +75,7 @@ class ForgedBox {
   }
 
   const Bytes& file() const { return file_; }
-  /// Those that recovery must find readable. Of a file that was cut: none.
+  /// The slots that recovery must be able to read. None if the file was cut.
   const std::vector<SlotTicks>& slots() const { return slots_; }
   bool is_cut() const { return cut_ > 0; }
 

@@ -11,7 +11,7 @@ namespace {
 
 using namespace ticktrue;
 
-/// Every index names something that is there, and nothing is larger than a session writes it.
+/// Every index is valid, and no list is longer than a session writes it.
 void require_bounded(const replay::LoggedList& list) {
   const auto& [modules, stacks, of_marks] = list.stacks;
   fuzz::require(list.list.names.size() <= replay::MarkTally::name_count_max, "names are bounded");

@@ -31,7 +31,7 @@ class CountingObserver : public StageObserver {
   std::vector<std::uint64_t> hashes;
 };
 
-/// Restores fresh engines from images of 50 ticks and compares what they do next, the first one to the end.
+/// Restores fresh engines from images of 50 ticks, and compares the next ticks; the first engine runs to the end.
 void check_restores(const Session& session, std::uint64_t end) {
   constexpr std::uint64_t ticks_compared = 20;
   const std::vector<std::uint64_t> expected = tick_hashes(session, end);
@@ -42,7 +42,7 @@ void check_restores(const Session& session, std::uint64_t end) {
     if (tick == 0 || random.below(end) < 50) {
       CAPTURE(session.name, tick);
       const auto restored = make_engine_or_fail(session.scene);
-      // What the restored engine did before must leave no trace in what it does next.
+      // The earlier ticks of the restored engine must not influence its next ticks.
       for (std::uint64_t other = 0; other < 2; ++other) REQUIRE(restored->step(input_of(session, other), nullptr));
       const Bytes image = image_of(*original);
       const Status loaded = restored->load(image);
@@ -69,7 +69,7 @@ void check_broad_phases(const Session& session, std::uint64_t end) {
   }
 }
 
-/// That what both states have is the same, byte by byte.
+/// Checks that the tables which both states have are equal byte by byte.
 void check_shared_tables(const StateView& a, const StateView& b) {
   for (std::size_t table = 0; table < a.schema->tables.size(); ++table) {
     const auto other = b.schema->find_table(a.schema->tables[table].name);
@@ -124,7 +124,7 @@ std::uint64_t real_bits(ScalarType type, double value) {
   return type == ScalarType::f32 ? bits_of(static_cast<float>(value)) : bits_of(value);
 }
 
-/// Values just outside of a column's range, and what is no number at all.
+/// Values just outside the range of a column, and NaN.
 std::vector<std::uint64_t> bad_values(const Column& column) {
   std::vector<std::uint64_t> bad;
   if (is_real(column.type)) {

@@ -31,7 +31,7 @@ const ReadTrace& small_contents() {
   return made;
 }
 
-/// What was returned is what was recorded, however the trace ends.
+/// Checks that each part that was read is as recorded, however the trace ends.
 void require_true_part(const ReadTrace& part, const ReadTrace& whole) {
   REQUIRE(part.ticks.size() <= whole.ticks.size());
   REQUIRE(part.tail.ticks_intact == part.ticks.size());
@@ -90,7 +90,7 @@ TEST_CASE("a trace cut anywhere is truncated, and what it gives out is true", "[
 }
 
 TEST_CASE("a cut loses nothing but the tick it lies in", "[replay][truncation][corruption]") {
-  // Each byte of the ticks chunks: what was written before it is there.
+  // Each byte of the ticks chunks: the parts before it can be read.
   const Bytes& whole = small_trace();
   for (const ChunkPlace& place : chunk_places(whole)) {
     if (place.kind != static_cast<std::uint8_t>(replay::ChunkKind::ticks)) continue;
@@ -275,7 +275,7 @@ TEST_CASE("facts of the same content from another build are reported", "[replay]
 
 namespace {
 
-/// Writes chunks with right checks around any content: what only a forger or a bug makes.
+/// Writes chunks with right checks around any content, as only a forger or a bug does.
 class Forge {
  public:
   explicit Forge(const Bytes& model) {
@@ -441,7 +441,7 @@ TEST_CASE("stated sizes are bounded before anything is allocated", "[replay][bom
     bytes.resize(bytes.size() + 100);
     has(fault_of(bytes), "record size");
   }
-  // Setups: counts far beyond what follows.
+  // Setups with counts far beyond the bytes that follow.
   ByteWriter setup_payload;
   replay::encode_setup(toy_setup(1), setup_payload);
   // The sizes of the simulation's name, of the title and of the simulation's own setup.

@@ -232,7 +232,7 @@ TEST_CASE("marks that pass a limit are left out, and that is said", "[replay][ma
   CHECK(read.ticks[3].notes[0] == Note{"ticktrue.left_out", "marks of this tick, of 1100 names"});
   CHECK(read.ticks[4].marks == ticks[4].marks);
 
-  // 4 MiB of notes in one chunk: those behind are left out once and for all, and the ticks are whole.
+  // 4 MiB of notes in one chunk: later notes are left out, and the ticks are whole.
   std::vector<WrittenTick> noted(30);
   for (WrittenTick& tick : noted) {
     for (int i = 0; i < 64; ++i) tick.notes.push_back({"log", std::string(4'096, 'x')});

@@ -39,7 +39,7 @@ TEST_CASE("inputs are in the file before their tick runs, hashes right after it"
   std::uint64_t tick = 0;
   simulation.disturb = [&](ToySimulation&, std::size_t stage) {
     if (stage != ToySimulation::input_stage) return;
-    // What another process would see at this moment, or after a kill.
+    // The file as another process sees it at this moment, or after a kill.
     const ReadTrace seen = read_all(read_file(path));
     const auto script = lively_script(tick);
     REQUIRE(seen.tail.condition == TraceCondition::truncated);
@@ -127,7 +127,7 @@ TEST_CASE("an existing file is kept unless overwriting is asked for", "[replay][
   }
   CHECK(read_file(path + ".old") == before);  // died before its end: both are there
   CHECK(read_all(read_file(path)).tail.condition == TraceCondition::truncated);
-  // What was set aside is the only good one now: recording over it again is refused, and changes nothing.
+  // The file that was set aside is the only good recording now. Another recording over it is refused.
   const Bytes dead = read_file(path);
   const auto again = TraceWriter::create(path, toy_setup(1), toy_facts, options);
   REQUIRE_FALSE(again);
@@ -413,7 +413,7 @@ TEST_CASE("every prefix of a trace that holds a tick is recovered to a complete 
     }
     const ReadTrace expected = read_all(ByteView(whole).first(size));
     if (expected.ticks.empty()) {
-      // A file is there only if something is in it.
+      // No empty file is left.
       REQUIRE(result->ticks_written == 0);
       REQUIRE(!std::filesystem::exists(output));
       continue;

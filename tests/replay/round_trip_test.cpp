@@ -295,7 +295,7 @@ TEST_CASE("the same recording has the same content whatever the build facts", "[
       CHECK(chain(one, places[i]) == chain(*bytes, other_places[i]));
     }
   }
-  // All but build facts, index and footer is the same byte for byte.
+  // All bytes except build facts, index and footer are the same.
   const auto other_places = chunk_places(other);
   for (std::size_t i = 0; i + 2 < places.size(); ++i) {
     if (i == 1) continue;
@@ -308,7 +308,7 @@ TEST_CASE("the same recording has the same content whatever the build facts", "[
 }
 
 TEST_CASE("private chunks and records are skipped but bound into the chain", "[replay][private][equivalence]") {
-  // Writes by hand what a writer of ours never writes.
+  // Writes by hand a trace that the writer never writes.
   const Bytes whole = toy_trace(toy_setup(1), 1);
   const auto places = chunk_places(whole);
   ByteWriter out;

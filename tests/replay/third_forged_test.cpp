@@ -22,7 +22,7 @@ using replay::TraceCondition;
 
 constexpr std::size_t table_count = 3;
 
-/// Three tables of one byte a row; every tick is full, all is on.
+/// Three tables of one byte a row. Every tick is full, and every feature is on.
 replay::TraceSetup setup_with(std::uint32_t features, Detail detail = Detail::full) {
   replay::TraceSetup setup = toy_setup(1);
   setup.schema = {};
@@ -96,7 +96,7 @@ Bytes marks(std::uint64_t id, std::uint64_t count = 1) {
   return out.take();
 }
 
-/// What a reader says of a trace that goes on as `write` says, behind its first checkpoint.
+/// The fault that a reader finds in a trace that `write` continues behind its first checkpoint.
 std::string fault_of(const replay::TraceSetup& setup, const std::function<void(Forger&)>& write) {
   Forger forger = begin_third(setup);
   forger.list(ChunkKind::checkpoint, whole_list);

@@ -44,7 +44,7 @@ void write_bound(replay::TraceWriter& writer, const SessionPlan& plan, std::uint
   }
   if (!has(plan, Feature::marks) || random.below(2) == 0) return;
   const std::string name = "rand";
-  // A chunk begins anew with its names: here each of them has its first tick behind a checkpoint.
+  // Each chunk defines its names again: here each name occurs first behind a checkpoint.
   if (!has_name)
     REQUIRE(writer.bound_record(replay::RecordTag::name,
                                 {reinterpret_cast<const std::uint8_t*>(name.data()), name.size()}));

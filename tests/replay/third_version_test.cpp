@@ -282,7 +282,7 @@ TEST_CASE("a damaged shown image, save or note is told, and every tick is read",
       }
       for (std::size_t t = 0; t < part.ticks.size(); ++t)
         missing += part.ticks[t].shown != contents.ticks[t].shown ? 1 : 0;
-      // A header that is lost may hide what else stands behind the same state.
+      // A lost header may hide the other parts of the same state.
       REQUIRE(missing >= 1);
       REQUIRE(missing <= 2);
     }

@@ -23,7 +23,7 @@
 
 namespace ticktrue::test {
 
-/// A folder of its own, removed with all it holds.
+/// A temporary folder. Its destructor removes it.
 class TemporaryFolder {
  public:
   TemporaryFolder() {
@@ -74,7 +74,7 @@ inline replay::TraceSetup full_toy_setup(std::uint32_t body_count, std::uint64_t
 
 inline const replay::BuildFacts toy_facts{{"compiler", "gcc"}, {"target", "x86_64"}};
 
-/// Inputs made by a function of the tick; `repeats` is what repeatable() says.
+/// Inputs made by a function of the tick; repeatable() returns `repeats`.
 class ScriptedInputs : public replay::InputSource {
  public:
   using Script = std::function<Result<std::optional<std::pair<double, Bytes>>>(std::uint64_t tick)>;
@@ -180,7 +180,7 @@ inline ReadTrace read_all(ByteView bytes) {
   return read_all(*reader);
 }
 
-/// Where the chunks of a whole trace lie.
+/// The offsets of the chunks of a whole trace.
 struct ChunkPlace {
   std::uint8_t kind = 0;
   std::size_t offset = 0;

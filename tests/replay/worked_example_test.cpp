@@ -122,7 +122,7 @@ TEST_CASE("the worked example of the format is read as described", "[replay][for
   CHECK(all.ticks[1].dt == 0.25);
   CHECK(all.ticks[2].dt == 0.25);
   CHECK(all.ticks[1].inputs == Bytes{0x07, 0x08});
-  // The states the text tells of: 0, 1, 9, 10.
+  // The states of the text: 0, 1, 9, 10.
   Counter counter;
   CHECK(all.checkpoints.at(0).root_hash == root_hash(counter.view()));
   for (std::size_t tick = 0; tick < 3; ++tick) {

@@ -10,7 +10,7 @@
 
 namespace ticktrue::test {
 
-/// A build without Box2D has no peer: what needs one is then not tested.
+/// A build without Box2D has no peer: tests that need one are skipped.
 inline bool has_box2d() {
   return !verifier::box2d_version().empty();
 }

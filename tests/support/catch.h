@@ -9,7 +9,7 @@ using Catch::Approx;
 #include <catch2/catch.hpp>
 #endif
 
-/// Ends a test that cannot run here, and says so: what did not run does not pass in silence.
+/// Ends a test that cannot run here, and says so: a test that did not run does not pass in silence.
 #define SKIP_UNLESS(condition, reason) \
   if (!(condition)) {                  \
     WARN("skipped: " reason);          \

@@ -211,7 +211,7 @@ Input random_event(const engine::Scene& scene, Random& random, InputKind kind, s
   return input;
 }
 
-/// One event of any declared kind in `gap` ticks, so that what sleeps may do so in between.
+/// One event of any declared kind in `gap` ticks, so that bodies may sleep in between.
 std::vector<Bytes> sparse_inputs(const engine::Scene& scene, std::uint64_t seed, std::uint64_t tick_count,
                                  std::uint64_t gap) {
   Random random(seed);

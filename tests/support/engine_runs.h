@@ -11,7 +11,7 @@
 
 namespace ticktrue::test {
 
-/// A scene and what happens in it. `inputs[tick]` are the encoded inputs of that tick.
+/// A scene and its inputs. `inputs[tick]` are the encoded inputs of that tick.
 struct Session {
   std::string name;
   engine::Scene scene;

@@ -13,7 +13,7 @@
 
 namespace ticktrue::test {
 
-/// What is done to the records; each may be empty.
+/// Changes of the records; each may be empty.
 struct Forgery {
   std::function<void(verifier::StoredTick&)> tick = {};
   std::function<void(verifier::StoredCheckpoint&)> checkpoint = {};

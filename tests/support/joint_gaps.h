@@ -8,7 +8,7 @@
 
 namespace ticktrue::test {
 
-/// What a joint is off in the directions it holds.
+/// The error of a joint in the directions that it holds.
 struct JointGap {
   double gap = 0;     // m, of its locked directions; an angle counts with `size` as its arm
   double beyond = 0;  // m, over its limits; an angle counts with `size` as its arm

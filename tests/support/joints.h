@@ -36,7 +36,7 @@ inline Joint joint_of(JointKind kind, std::uint32_t body_a, std::uint32_t body_b
   return joint;
 }
 
-/// Puts the fields that joints of its kind do not have back to what they are when unset.
+/// Sets the fields that joints of its kind do not have to their defaults.
 inline void drop_unused_fields(Joint& joint) {
   const auto& row = info_of(engine::joint_kinds, joint.kind);
   const Joint unset;

@@ -79,7 +79,7 @@ inline Body ground(double half_width = 100) {
   return body_of(box_shape(half_width, 1), {0, -1}, BodyType::static_body);
 }
 
-/// No bodies, f64 unless said, gravity (0, -10), nothing that damps.
+/// No bodies, f64 by default, gravity (0, -10), no damping.
 inline Scene empty_scene(Precision precision = Precision::f64) {
   Scene scene;
   scene.settings.precision = precision;
@@ -126,7 +126,7 @@ inline Scene slide_scene(double speed, double friction, Precision precision = Pr
   return scene;
 }
 
-/// Every field of the description set to something else than its default, as far as the rules let it be.
+/// Every field of the scene has another value than its default, as far as the rules allow.
 inline Scene everything_scene() {
   using engine::AutoSubsteps, engine::Bounds, engine::BroadPhaseKind, engine::ClockKind, engine::ClockSettings,
       engine::ExplicitMass, engine::Force, engine::force_kinds, engine::ForceKind, engine::input_kinds,

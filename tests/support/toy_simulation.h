@@ -55,7 +55,7 @@ class ToyInputs {
   ToyInputs& spawn(double x) { return add(ToyEvent::spawn, 0, x); }
   ToyInputs& remove(std::uint32_t id) { return add(ToyEvent::remove, id, 0); }
   ToyInputs& gravity(double value) { return add(ToyEvent::gravity, 0, value); }
-  /// Makes a velocity infinite: for tests of what happens then.
+  /// Makes a velocity infinite, for tests of such states.
   ToyInputs& poison(std::uint32_t id) { return add(ToyEvent::poison, id, 0); }
   Bytes take() { return out_.take(); }
 

@@ -120,7 +120,7 @@ TEST_CASE("chains, segments, filters, sensors and conveyors mean the same to the
       REQUIRE((*own)->step({scene.settings.dt, {}}, nullptr));
     }
     const auto a = (*own)->bodies()[1], b = (*peer)->bodies()[1];
-    // A fall of 1.5 s differs by g h t / 2 = 0.1 m, and Box2D pushes out what has come half through a chain from
+    // A fall of 1.5 s differs by g h t / 2 = 0.1 m, and Box2D pushes out bodies that are halfway through a chain from
     // behind.
     CHECK(a.center.y == Approx(b.center.y).margin(a.center.y > 0 ? 0.02 : 0.5));
     CHECK(a.center.x == Approx(b.center.x).margin(0.1));

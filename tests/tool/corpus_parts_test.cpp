@@ -60,7 +60,7 @@ void record_boxes(const std::string& path, std::uint64_t tick_count, std::uint64
 
 constexpr std::uint64_t no_fault = std::numeric_limits<std::uint64_t>::max() - 1;
 
-/// Two long traces and a short one; the second is what the test says. The store has learned that all are expensive.
+/// Two long traces and a short one; the test gives the second. The store has learned that all are expensive.
 class LongCorpus {
  public:
   explicit LongCorpus(std::uint64_t fault_tick = no_fault) {
@@ -70,7 +70,7 @@ class LongCorpus {
     add("c", 10, no_fault);
     const StoreFolder store = open("learned");
     for (const CorpusUnit& unit : verify("learned", {})) whole_.push_back(unit.report);
-    // Another store, with the history alone.
+    // Another store that has only the history.
     open("store");
     fs::copy(store.path_of("history"), folder_.file("store") + "/history", fs::copy_options::recursive);
   }
@@ -82,7 +82,7 @@ class LongCorpus {
     REQUIRE(folder);
     return *std::move(folder);
   }
-  /// A later run of another build: from here on plans would be others.
+  /// A later run of another build. New plans would differ from here on.
   void learn_that_the_last_is_expensive() const {
     const Result<Hash128> hash = verifier::file_hash(files_.back());
     REQUIRE(hash);
@@ -126,7 +126,7 @@ CorpusOptions in_parts() {
   return options;
 }
 
-/// Of verdicts, also of parts.
+/// The number of verdicts, parts included.
 std::vector<std::string> stored_keys(const StoreFolder& folder) {
   constexpr std::size_t name_size = 33;  // "ab/cdef..."
   std::vector<std::string> keys;
@@ -142,7 +142,7 @@ std::size_t entry_count(const StoreFolder& folder) {
   return stored_keys(folder).size();
 }
 
-/// Without what is measured.
+/// Without measured times.
 Bytes same_of(Report report) {
   report.wall_s = 0;
   return verifier::encode_report(report);

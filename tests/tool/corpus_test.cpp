@@ -16,6 +16,7 @@
 #include "tool/corpus/engine_digest.h"
 #include "tool/corpus/trace_log.h"
 #include "verifier/store/claims.h"
+#include "verifier/store/renamed_report.h"
 
 namespace ticktrue::test {
 namespace {
@@ -109,6 +110,41 @@ TEST_CASE("corpus: the second run verifies nothing, and its reports are those of
   CorpusOptions other_mode;
   other_mode.mode = verifier::VerifyMode::twice;
   CHECK(count(corpus.verify(other_mode), UnitSource::verified) == first.size());
+}
+
+TEST_CASE("corpus: a report of the same bytes under another name has that name in every text and command",
+          "[verifier][corpus][analytic]") {
+  verifier::Report report;
+  report.file = "old/a.ttr";
+  report.verdict = Verdict::diverged;
+  report.reason = "old/a.ttr: broken; not of cold/a.ttr, old/a.ttrs and old/a.ttr.bak";
+  report.hint = "look at old/a.ttr";
+  report.warnings = {"(old/a.ttr)"};
+  report.again = {"ticktrue verify old/a.ttr --from 0", "./game old/a.ttr"};
+  report.end.emplace().tail.message = "old/a.ttr: offset 7";
+  verifier::Report same = report;
+  verifier::rename_file(same, "old/a.ttr");
+  CHECK(same.notes.empty());
+  CHECK(same.again == report.again);
+
+  using Lines = std::vector<std::string>;
+  verifier::rename_file(report, "new ones/b.ttr");
+  CHECK(report.file == "new ones/b.ttr");
+  CHECK(report.reason == "new ones/b.ttr: broken; not of cold/a.ttr, old/a.ttrs and old/a.ttr.bak");
+  CHECK(report.hint == "look at new ones/b.ttr");
+  CHECK(report.warnings == Lines{"(new ones/b.ttr)"});
+  CHECK(report.again == Lines{"ticktrue verify 'new ones/b.ttr' --from 0", "./game 'new ones/b.ttr'"});
+  CHECK(report.end->tail.message == "new ones/b.ttr: offset 7");
+  CHECK(report.notes == Lines{"found first in old/a.ttr, a file of the same bytes"});
+  verifier::rename_file(report, "old/a.ttr");
+  CHECK(report.again == Lines{"ticktrue verify old/a.ttr --from 0", "./game old/a.ttr"});
+
+  verifier::Report match;
+  match.file = "old/a.ttr";
+  match.verdict = Verdict::match;
+  verifier::rename_file(match, "b.ttr");
+  CHECK(match.file == "b.ttr");
+  CHECK(match.notes.empty());
 }
 
 TEST_CASE("corpus: bytes changed under a kept time are verified anew", "[verifier][corpus][corruption]") {

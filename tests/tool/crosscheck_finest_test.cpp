@@ -72,7 +72,7 @@ TEST_CASE("a difference that Box2D's finest steps do not remove stays one", "[ve
   CHECK(judged("top height", 3, 2, 2.5, 0.1) == Agreement::differ);
   CHECK(judged("top height", 3, 2, 4, 0.1) == Agreement::expected);  // Box2D's own answers lie on either side
   CHECK(judged("top height", 3, 3, 4, 0.1) == Agreement::agree);
-  // Body by body, judge_by_finest says nothing.
+  // judge_by_finest leaves the criteria alone that judge body by body.
   CHECK(judged(verifier::place_criterion, 3, 2, 3, 0.1) == Agreement::differ);
 }
 

@@ -110,7 +110,7 @@ TEST_CASE("boxes in the air or moving are no structure", "[verifier][crosscheck]
   falling.bodies[1].position.y = 3;
   CHECK_FALSE(verifier::make_layout(falling).is_structure);
   CHECK_FALSE(verifier::make_layout(slide_scene(10, 0.5)).is_structure);
-  Scene hanging = stack_scene(3, 0.1);  // each over one that itself lies on nothing
+  Scene hanging = stack_scene(3, 0.1);  // the body below each lies on nothing itself
   hanging.bodies[0].position.y -= 3;
   CHECK(verifier::make_layout(hanging).placed_count == 0);
 }
@@ -436,7 +436,7 @@ TEST_CASE("what rests in both rests within 2 cm or differs, unless Box2D's seeds
   // Box2D's own seeds 3 cm apart: box 1 has no place, box 2 is left.
   CHECK(place(runs({0, 0}), runs({0.1, 0.13}), {}, {}).verdict == Agreement::agree);
   CHECK(place(runs({0, 0}), runs({0.1, 0.13}), {}, {}).unit == "m, 1 of 2");
-  // Ours scatter: that widens nothing.
+  // The spread of our own runs widens no tolerance.
   CHECK(place(runs({0, 0.1}), runs({0, 0}), {}, {}).verdict == Agreement::differ);
   CHECK(place(runs({0, 0}), runs({0.1, 0.1}), {runs({0.01, 0.01})}, {}).verdict == Agreement::expected);
   CHECK(place(runs({0, 0}), runs({0.1, 0.1}), {runs({0.2, 0.2})}, {}).unit == "m, 1 of 2");

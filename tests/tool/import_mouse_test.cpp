@@ -119,7 +119,7 @@ TEST_CASE("unknown positions are skipped, but a release counts wherever it is", 
       "0,0.4,Left,Released,65535,65535\n");
   REQUIRE(inputs.size() == 3);
   CHECK(inputs[0].kind == InputKind::press);
-  CHECK(inputs[0].values[0] == Approx(10 * 5.5 / 6));  // the screen is as large as what is known
+  CHECK(inputs[0].values[0] == Approx(10 * 5.5 / 6));  // the screen is as large as the largest coordinates
   CHECK(inputs[1].kind == InputKind::release);
 }
 

@@ -251,7 +251,7 @@ TEST_CASE("a chain that closes itself is a loop without its repeated point", "[v
     CHECK(shape.vertices.size() == 4);
   }
   CHECK(import.notes.empty());
-  // Neighbours of an open line are no part of it: they are told, not made solid.
+  // Neighbour points of an open line are no part of it: a note names them, and they do not collide.
   const RubeImport open = imported(
       body_with(R"("chain":{"vertices":{"x":[0,1,2],"y":[0,0,0]},"hasPrevVertex":true,"prevVertex":{"x":-1,"y":0}})"));
   CHECK(open.scene.bodies.at(0).shapes.at(0).vertices.size() == 3);

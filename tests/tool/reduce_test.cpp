@@ -289,6 +289,68 @@ TEST_CASE("a session that does not fail is refused", "[verifier][reduce][analyti
   CHECK(result.error().message.find("does not fail") != std::string::npos);
 }
 
+/// Fails whatever the session is, in a stage that the solver names.
+class FailsAlways : public Predicate {
+ public:
+  explicit FailsAlways(bool is_of_outcome = false) : is_of_outcome_(is_of_outcome) {}
+  bool is_of_outcome() const override { return is_of_outcome_; }
+  std::vector<std::string> words() const override { return {}; }
+  Result<std::optional<Failure>> examine(const SoakCase& session) override {
+    Failure failure;
+    failure.kind = "differs";
+    failure.stage = engine::info_of(engine::solvers, session.scene.settings.solver).name;
+    failure.tick = is_of_outcome_ ? session.tick_count - 1 : 0;
+    return std::optional(failure);
+  }
+
+ private:
+  bool is_of_outcome_;
+};
+
+TEST_CASE("the method of a session stays, unless any method is allowed", "[verifier][reduce][analytic]") {
+  SoakCase session = columns_of_boxes(2, 10);
+  engine::Settings& settings = session.scene.settings;
+  settings.solver = engine::SolverKind::pgs;
+  settings.substeps = 1;
+  settings.iterations = 30;
+  settings.precision = Precision::f64;
+  settings.dt = 1.0 / 120;
+  settings.broad_phase = engine::BroadPhaseKind::uniform_grid;
+  settings.events = true;
+  settings.restitution_threshold = 0.25;
+  engine::Settings method = settings;
+  method.events = engine::Settings{}.events;
+  method.restitution_threshold = engine::Settings{}.restitution_threshold;
+  for (const bool is_loose : {false, true})
+    for (const bool any_method : {false, true}) {
+      CAPTURE(is_loose, any_method);
+      FailsAlways predicate;
+      ReduceOptions options = options_of();
+      options.is_loose = is_loose;
+      options.any_method = any_method;
+      const auto result = reduce::reduce(session, predicate, options);
+      REQUIRE(result);
+      const engine::Settings& found = result->smallest.scene.settings;
+      CHECK(result->smallest.scene.bodies.size() <= 1);
+      CHECK((found == method) == !any_method);
+      // Without --loose the failure names the stage of the solver.
+      CHECK((found.solver == engine::SolverKind::tgs_soft) == (any_method && is_loose));
+    }
+}
+
+TEST_CASE("start, ticks and gravity stay where the outcome of a run is wrong", "[verifier][reduce][analytic]") {
+  const SoakCase session = columns_of_boxes(2, 10);
+  for (const bool is_of_outcome : {false, true}) {
+    FailsAlways predicate(is_of_outcome);
+    const auto result = reduce::reduce(session, predicate, options_of());
+    REQUIRE(result);
+    CHECK(result->smallest.scene.bodies.size() <= 1);
+    CHECK(result->cut_tick == 0);
+    CHECK(result->smallest.tick_count == (is_of_outcome ? 10 : 1));
+    CHECK(result->smallest.scene.gravity == (is_of_outcome ? session.scene.gravity : engine::Point{}));
+  }
+}
+
 TEST_CASE("a fault of another engine is reduced to the box and the push that show it",
           "[verifier][reduce][determinism]") {
   const TemporaryFolder folder;

@@ -252,7 +252,7 @@ TEST_CASE("report animation: poses are the engine's, and the strip says which ti
     }
     REQUIRE((*engine)->step({scene.settings.dt, {}}, nullptr));
   }
-  // From the divergence to the next checkpoint nothing is known of the recording; from there on all of it is.
+  // The recorded states are unknown from the divergence to the next checkpoint, and known from there on.
   REQUIRE(animation.match_ranges.size() == 3);
   CHECK((animation.match_ranges[0].match == TickMatch::same && animation.match_ranges[0].last == 32));
   CHECK((animation.match_ranges[1].match == TickMatch::differs && animation.match_ranges[1].last == 39));

@@ -67,7 +67,7 @@ WorldSource small_worlds() {
   return source;
 }
 
-/// Flips a bit of a velocity of the body of the last row when told to: the lowest, if nothing else is said.
+/// Flips a bit of a velocity of the body in the last row on request: the lowest bit by default.
 class FlippingEngine : public ForwardingEngine {
  public:
   using ForwardingEngine::ForwardingEngine;
@@ -122,7 +122,7 @@ class ForgetsWrongly : public FlippingEngine {
   bool forgot_ = false;
 };
 
-/// Always wrong at one tick, where made so.
+/// Makes a mistake at one tick, if is_wrong says so.
 class WrongAtTick : public FlippingEngine {
  public:
   WrongAtTick(std::unique_ptr<Engine> inner, bool is_wrong) : FlippingEngine(std::move(inner)), is_wrong_(is_wrong) {}
@@ -134,7 +134,7 @@ class WrongAtTick : public FlippingEngine {
   bool is_wrong_;
 };
 
-/// A loaded state is not quite what was stored.
+/// Loads a state that differs a little from the stored one.
 class LoadsWrongly : public FlippingEngine {
  public:
   using FlippingEngine::FlippingEngine;

@@ -66,7 +66,7 @@ Flow stepped(const Problem& problem, const Flow& s, double h, const std::array<d
   return moved(out, k4, h / 6 * weights[3]);
 }
 
-// What `ticktrue accuracy` would say of the stand-in: same problem, same steps, same judgement.
+// The judgement of `ticktrue accuracy` on the stand-in: same problem, same steps.
 Judgement judgement_of(const Problem& problem, const std::array<double, 4>& weights) {
   const Method rk4{"rk4", engine::SolverKind::free_flight, engine::IntegratorKind::rk4};
   std::vector<double> steps, errors, floors;
@@ -520,7 +520,7 @@ TEST_CASE("a table wider than its lines goes on below, and no cell of it is cut"
   for (std::string line; std::getline(in, line); ++line_count) {
     CHECK(line.size() <= table_width_max);
     if (line.empty()) ++empty_count;
-    // Each line says which row it is of.
+    // Each line begins with the name of its row.
     if (!line.empty()) CHECK((line.compare(0, 3, "  m") == 0));
     std::istringstream cells(line);
     for (std::string word; cells >> word;) words.insert(word);

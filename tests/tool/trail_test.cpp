@@ -44,7 +44,7 @@ MarkSide side_with(const std::vector<MadeMark>& marks, bool has_stacks = true) {
 }  // namespace
 
 TEST_CASE("one more draw is the first difference, though all values behind it are others", "[tool][trail][injection]") {
-  // The generator gives 10, 11, 12, ... whoever asks.
+  // The generator gives 10, 11, 12, ... to any caller.
   const MarkSide there = side_with({{"rand", 10, {"Scatter", "update"}},
                                     {"rand", 11, {"Shuffle", "update"}},
                                     {"rand", 12, {"Drop", "update"}},
@@ -69,7 +69,7 @@ TEST_CASE("one more draw is the first difference, though all values behind it ar
   CHECK(fewer.first->there->value == 12);
   CHECK(fewer.callers[0].here == 1);
 
-  // Without stacks there, the lists say the same of the order, and callers are those here.
+  // If the other side has no stacks, the order is compared alike, and the callers of this side are named.
   const trail::ListDifference alone = compare_lists(here, nullptr, {"rand"});
   CHECK_FALSE(alone.first);
   CHECK_FALSE(alone.compares_callers);
@@ -93,7 +93,7 @@ TEST_CASE("a function that makes all marks of a name is passed by", "[tool][trai
   const trail::ListDifference found = compare_lists(here, &there, {"rand"});
   REQUIRE(found.callers.size() == 1);
   CHECK(found.callers[0].caller == "draw < Shuffle");
-  // If there is one way alone, the innermost function is named.
+  // If all stacks are the same, the innermost function is named.
   const MarkSide one = side_with({{"rand", 1, {"draw", "Shuffle", "main"}}});
   const MarkSide two = side_with({{"rand", 1, {"draw", "Shuffle", "main"}}, {"rand", 2, {"draw", "Shuffle", "main"}}});
   CHECK(compare_lists(two, &one, {"rand"}).callers[0].caller == "draw");

@@ -17,7 +17,7 @@ struct Box {
   float x, y, angle, vx, vy, spin;
 };
 
-/// What is recorded and saved.
+/// The values that are recorded and saved.
 struct State {
   std::uint64_t tick = 0;
   Box boxes[box_count];

@@ -1,6 +1,7 @@
 // Programs whose save is whole, with all that differs behind a load and does no harm: `clean NAME --record FILE`.
 // SPDX-License-Identifier: MIT
 #include <signal.h>
+#include <sys/mman.h>
 #include <unistd.h>
 
 #include <cmath>
@@ -12,6 +13,7 @@
 #include <string>
 #include <thread>
 #include <unordered_map>
+#include <utility>
 
 #include "tests/unsaved/game.h"
 
@@ -132,6 +134,17 @@ const Program programs[] = {
        g.x[0] += button;
      }},
     {"diverges", [](Game& g, int button) { g.x[0] += button + (std::getenv("TICKTRUE_UNSAVED") != nullptr); }},
+    // A save that lacks `turns`. From the third process on, ticks end otherwise: a copy does not repeat the other one.
+    {"instances",
+     [](Game& g, int button) {
+       static const int file = ::memfd_create("instances", 0);
+       static pid_t process = 0;
+       static bool is_late = false;
+       static int turns = 0;
+       if (std::exchange(process, ::getpid()) != ::getpid())
+         is_late = ::write(file, "x", 1) == 1 && ::lseek(file, 0, SEEK_CUR) > 2;
+       g.x[0] += button + ++turns % 3 + (is_late ? 1 : 0);
+     }},
     {"forks",
      [](Game& g, int button) {
        if (g.tick == 3 && ::fork() == 0) ::_exit(0);

@@ -73,7 +73,7 @@ __attribute__((noinline)) int count_calls() {
   return ++calls_of_spawn;
 }
 
-/// What does no harm stands beside it in every program.
+/// Each program also has variables that differ and do no harm.
 int frames_shown = 0;
 char last_message[64];
 

@@ -111,6 +111,28 @@ def check_printed_commands(args, folder):
     return ""
 
 
+def check_not_reproducible(args, folder):
+    """Ticks that a copy of the process does not repeat: what the save lacks cannot be told, and the report says so with
+    the command that looks for the cause."""
+    program = os.path.join(args.programs, "unsaved_clean")
+    done = run(args, folder, program, "instances", ["--json"])
+    report = json.loads(done.stdout) if done.stdout else {}
+    if done.returncode != 6 or report.get("verdict") != "not_reproducible" or report["findings"] \
+            or not report["saves_loaded"]:
+        return f"instances: exit code {done.returncode}, expected 6: {done.stdout}{done.stderr}"
+    done = run(args, folder, program, "instances", [])
+    if not re.match(r"not_reproducible .*instances\.ttr ", done.stdout) \
+            or not re.search(r"^  note +the same ticks from the same memory end otherwise at tick [0-9]+$", done.stdout, re.M):
+        return f"instances: found {done.stdout}{done.stderr}, expected not_reproducible and a note of the tick"
+    found = re.search(r"^next  (ticktrue shake .*  # looks for the cause: .*)$", done.stdout, re.M)
+    if done.returncode != 6 or not found or [found.group(1)] != report["next"]:
+        return f"instances: exit code {done.returncode}, found {done.stdout}, expected {report['next']}"
+    ran = run_printed(args, folder, found.group(1))
+    if ran.returncode != 0 or "control         same" not in ran.stdout:
+        return f"{found.group(1)}: exit code {ran.returncode}: {ran.stdout}{ran.stderr}"
+    return ""
+
+
 def check_box2d(args, folder):
     """A save of a game on Box2D that holds what the game can see: the block of Box2D that lacks is named."""
     program = os.path.join(args.programs, "box2d_rollback")
@@ -192,7 +214,7 @@ def main():
                 if fault:
                     faults += 1
                     print(f"unsaved_test: error: {name}: {fault}")
-        for check in [] if args.only else [check_usage, check_printed_commands, check_box2d, check_limit]:
+        for check in [] if args.only else [check_usage, check_printed_commands, check_not_reproducible, check_box2d, check_limit]:
             fault = check(args, folder)
             if fault:
                 faults += 1

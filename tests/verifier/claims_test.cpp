@@ -1,7 +1,7 @@
 // Claims: one winner for a free unit and for an expired one, among threads and processes, whatever clocks say.
 // SPDX-License-Identifier: MIT
 //
-// Each worker here has a StoreFolder of its own, as a process has; a clock that the test turns stands for waiting.
+// Each worker has its own StoreFolder, as a process has. The test moves the clock instead of waiting.
 // `ticktrue_tests "[claims][.slow]"` is the long run: 10,000 races of each kind.
 #include "verifier/store/claims.h"
 

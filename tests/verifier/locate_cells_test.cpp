@@ -263,7 +263,7 @@ TEST_CASE("inject: threads change nothing of the report", "[verifier][cells][inj
 
 TEST_CASE("inject: faults that leave their own body as it was are counted as waived",
           "[verifier][cells][inject][analytic]") {
-  // A body that weighs nothing against its neighbour: its last bit is lost in rounding, what the solver gave on is not.
+  // A body that is very light against its neighbour: its last bit is lost in rounding, but the solver has passed it on.
   const Bytes trace = engine_trace("mixed_pile?bodies=60", replay::Detail::cells, 120);
   InjectOptions options;
   options.count = 300;

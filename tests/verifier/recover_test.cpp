@@ -27,7 +27,7 @@ Bytes with_hole(const Bytes& whole, Hole kind, std::size_t offset, std::size_t s
   return bytes;
 }
 
-/// Where the first byte differs; the shorter size where one begins the other.
+/// Offset of the first byte that differs; the shorter size if one is the beginning of the other.
 std::size_t first_difference(const Bytes& a, const Bytes& b) {
   std::size_t at = 0;
   while (at < a.size() && at < b.size() && a[at] == b[at]) ++at;
@@ -75,7 +75,7 @@ TEST_CASE("what is recovered around a random hole verifies, and nothing before t
     REQUIRE_FALSE(result->tail.message.empty());
     REQUIRE(result->ticks_written >= ticks_before(whole, intact_size));
     REQUIRE(result->ticks_written >= result->tail.ticks_intact);
-    // What is told to be intact behind the hole is true, too, and is not what was recovered.
+    // The range that is reported as intact behind the hole is intact, and is not the recovered part.
     for (const replay::IntactRange& range : result->tail.intact_after) {
       REQUIRE(range.first_tick >= result->ticks_written);
       REQUIRE(range.last_tick < contents.ticks.size());

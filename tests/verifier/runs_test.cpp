@@ -37,7 +37,7 @@ ChildResult run_shell(const std::string& script, const ChildLimits& limits = {20
   return verifier::run_child(shell(script, limits));
 }
 
-/// Whether the process exists, other than as one that has ended.
+/// Whether the process exists and has not ended.
 bool is_running(const std::string& id) {
   const Bytes stat = read_file("/proc/" + id + "/stat");
   const std::string text(stat.begin(), stat.end());

@@ -14,7 +14,7 @@ using verifier::Verdict;
 using verifier::VerifyMode;
 using verifier::VerifyOptions;
 
-/// Hits something in every twentieth step since it was made, whatever was loaded. A variant may diverge for good.
+/// Changes a value in every twentieth step since its creation, whatever was loaded. A variant may diverge for good.
 class HiddenCounter : public ToySimulation {
  public:
   explicit HiddenCounter(std::uint32_t body_count, std::uint64_t diverges_at = 0) : ToySimulation(body_count) {
@@ -32,7 +32,7 @@ class HiddenCounterDiverging : public HiddenCounter {
  public:
   explicit HiddenCounterDiverging(std::uint32_t body_count) : HiddenCounter(body_count, 71) {}
 };
-/// No two that are made are the same at tick 20.
+/// No two objects are the same at tick 20.
 class NeverTheSame : public ToySimulation {
  public:
   explicit NeverTheSame(std::uint32_t body_count) : ToySimulation(body_count) {

@@ -15,7 +15,7 @@
 
 namespace ticktrue::test {
 
-/// A toy that does something at the end of a stage of one tick. What, is set by the test before it is made.
+/// A toy that calls a function at the end of a stage of one tick. The test sets the function first.
 struct InjectedFault {
   std::uint64_t tick = 0;
   std::size_t stage = 0;

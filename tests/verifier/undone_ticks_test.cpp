@@ -147,7 +147,7 @@ TEST_CASE("a tick that gives other bits when it is done again is not reproducibl
 
 namespace {
 
-// Of the simulations that are made one after the other: which one is limited, and what became of it.
+// Which of the simulations that are made in turn is limited, and how its run ended.
 struct Chosen {
   int made_count = 0;
   int limited = -1;               // this one alone; -1: none
@@ -158,7 +158,7 @@ struct Chosen {
 };
 Chosen chosen;
 
-/// A toy that is limited, or wrong, if it is one of those chosen.
+/// A toy that is limited, or wrong, if its number is chosen.
 class ChosenToy : public LimitedToy {
  public:
   explicit ChosenToy(std::uint32_t body_count) : LimitedToy(body_count), number_(chosen.made_count++) {}

@@ -132,7 +132,7 @@ TEST_CASE("verify: time of a divergence is the sum of the dt before it", "[verif
   CHECK(contains(report.divergence->inputs, "{\"tick\":30,\"type\":\"spawn\""));
 }
 
-// Made again, it is another one each time: as if it had not initialised a member.
+// Each object begins otherwise, as with a member that is not initialised.
 class Uninitialised : public ToySimulation {
  public:
   explicit Uninitialised(std::uint32_t body_count) : ToySimulation(body_count) {
@@ -162,7 +162,7 @@ TEST_CASE("verify: two runs that differ are not reproducible, not diverged", "[v
   }
 }
 
-// Every second one is right: the first run agrees with the trace as far as the second goes, or the other way round.
+// Every second object is right: the first run agrees with the trace as far as the second goes, or the other way round.
 class EverySecond : public ToySimulation {
  public:
   static inline std::uint32_t made = 0;
@@ -229,7 +229,7 @@ TEST_CASE("verify: a recording that ended in a non-finite value matches if the s
   REQUIRE(report.notes.size() == 1);
   CHECK(contains(report.notes[0], "tick 12 is not finite, as recorded: bodies row 2 (toy_2)"));
 
-  // The recording build had a bug without any input; this one has not, or has it elsewhere.
+  // The recording build had a bug that needs no input. This build has none, or has it elsewhere.
   const auto poison = [](std::size_t body) {
     return [body](ToySimulation& toy) { toy.bodies[body].velocity[0] = INFINITY; };
   };
@@ -370,7 +370,7 @@ class LoadForgets : public ToySimulation {
     return loaded;
   }
 };
-// Something that influences later ticks is neither shown nor loaded.
+// A value that influences later ticks is neither registered nor loaded.
 class HiddenState : public ToySimulation {
  public:
   explicit HiddenState(std::uint32_t body_count) : ToySimulation(body_count) {
@@ -436,7 +436,7 @@ TEST_CASE("verify: restore catches state that is not shown", "[verifier][verify]
   REQUIRE(report.divergence);
   CHECK(report.divergence->tick == 39);
 
-  // Checkpoints close enough hide it from runs that end at the next one.
+  // With close checkpoints, runs that end at the next checkpoint do not notice it.
   const Bytes close = trace_of<HiddenState>(100, 20);
   VerifyOptions options = verify_options(info, VerifyMode::restore);
   CHECK(verify_bytes(close, options).verdict == Verdict::match);

@@ -26,6 +26,7 @@
 #include "verifier/store/claims.h"
 #include "verifier/store/history.h"
 #include "verifier/store/mapped_libraries.h"
+#include "verifier/store/renamed_report.h"
 #include "verifier/store/stat_index.h"
 #include "verifier/verify/parts.h"
 
@@ -186,7 +187,7 @@ class CorpusRun {
     if (std::exchange(states_[i].is_done, true)) return;
     units_[i].source = source;
     units_[i].report = std::move(report);
-    units_[i].report.file = files_[i];
+    rename_file(units_[i].report, files_[i]);  // the store has the name under which its bytes were first verified
     ++done_count_;
     ++decided_count_;
     if (options_.progress) options_.progress(done_count_, my_count_.value_or(files_.size()));

@@ -6,6 +6,7 @@
 #include <functional>
 #include <initializer_list>
 #include <string_view>
+#include <tuple>
 #include <utility>
 
 #include "engine/scene/scene_fields.h"
@@ -35,6 +36,13 @@ std::vector<T> select(const std::vector<T>& all, const Indices& remaining) {
   return some;
 }
 
+/// The settings that say how the engine computes. The others say what the world does.
+auto method_of(const engine::Settings& settings) {
+  return std::tie(settings.precision, settings.dt, settings.substeps, settings.auto_substeps, settings.iterations,
+                  settings.solver, settings.integrator, settings.broad_phase, settings.locate_impacts, settings.joints,
+                  settings.substep_loads);
+}
+
 bool has_body(const Input& input) {
   return info_of(engine::input_kinds, input.kind).has_body;
 }
@@ -55,7 +63,7 @@ class Shrinker {
       remove_forces();
       remove_prototypes();
       set_defaults();
-      search_ticks();
+      if (!options_.keeps_course) search_ticks();
     } while (size_of(smallest_) < size && !is_over());
     return {std::move(smallest_), test_count_};
   }
@@ -135,6 +143,7 @@ class Shrinker {
     SoakCase candidate = smallest_;
     change(candidate);
     if (candidate.scene == smallest_.scene && candidate.inputs == smallest_.inputs) return;
+    if (options_.keeps_method && method_of(candidate.scene.settings) != method_of(smallest_.scene.settings)) return;
     take_if_fails(std::move(candidate));
   }
   /// Tries the default of one field after another. `each(candidate, change)` changes all objects of a case.
@@ -167,7 +176,7 @@ class Shrinker {
   void set_default_scene() {
     try_change([](SoakCase& candidate) { candidate.scene.bounds.reset(); });
     try_change([](SoakCase& candidate) { candidate.scene.spawned_max.reset(); });
-    try_change([](SoakCase& candidate) { candidate.scene.gravity = {}; });
+    if (!options_.keeps_course) try_change([](SoakCase& candidate) { candidate.scene.gravity = {}; });
     try_change([](SoakCase& candidate) {
       const auto uses_pointer = [](InputKind kind) { return info_of(engine::input_kinds, kind).is_of_pointer; };
       candidate.scene.pointer.reset();

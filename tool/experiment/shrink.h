@@ -19,6 +19,8 @@ struct ShrinkOptions {
   std::size_t test_count_max = 3000;              // calls of the predicate
   std::function<bool()> is_over;                  // asked before each call: true ends the search; may be empty
   std::optional<std::uint64_t> first_wrong_tick;  // where known: no later tick is tried
+  bool keeps_method = false;                      // settings that say how the engine computes stay
+  bool keeps_course = false;                      // ticks and gravity stay
 };
 
 struct ShrinkResult {

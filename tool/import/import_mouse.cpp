@@ -22,11 +22,11 @@ constexpr std::array<std::string_view, 6> columns{"record timestamp", "client ti
 constexpr std::array<std::string_view, 6> buttons{"NoButton", "Left", "Right", "Middle", "Scroll", "XButton"};
 constexpr std::array<std::string_view, 6> states{"Move", "Pressed", "Released", "Drag", "Down", "Up"};
 constexpr double unknown_position = 65535;
-constexpr double screen_max = 65535;  // px; the format's own
+constexpr double screen_max = 65535;  // px; the limit of the format
 constexpr std::size_t line_size_max = 1024;
 
 struct Row {
-  double time_s = 0;  // of the client: when it happened, not when it was recorded
+  double time_s = 0;  // of the client: when the event happened, not when it was recorded
   std::string_view button;
   std::string_view state;
   double x = 0;  // px, from the left
@@ -34,7 +34,7 @@ struct Row {
   bool has_position() const { return x != unknown_position && y != unknown_position; }
 };
 
-/// At most 40 bytes of what was found, safe to print.
+/// At most 40 bytes of the text, safe to print.
 std::string found_text(std::string_view text) {
   std::string out = "\"";
   for (const char c : text.substr(0, 40)) out += c >= 0x20 && c < 0x7f ? c : '?';
@@ -187,7 +187,7 @@ class InputCollector {
 
  private:
   void place(Input& input, const Row& row) const {
-    // The middle of a pixel; screens count y downwards.
+    // The middle of a pixel; on a screen y grows downwards.
     input.values[0] = window_.lower.x + (row.x + 0.5) / screen_.x * (window_.upper.x - window_.lower.x);
     input.values[1] = window_.upper.y - (row.y + 0.5) / screen_.y * (window_.upper.y - window_.lower.y);
   }
@@ -229,7 +229,7 @@ Result<std::vector<Input>> import_mouse(std::string_view csv, const std::string&
   if (options.window && scene.pointer) window = *options.window;
   if (!window) return window.error();
 
-  // The format does not say how large the screen was: as large as the furthest position.
+  // The format does not state the size of the screen: it is taken from the largest coordinates.
   Point screen{1, 1};
   {
     SessionReader reader(csv, source);

@@ -15,7 +15,7 @@ namespace ticktrue::verifier {
 
 struct MouseImportOptions {
   std::optional<engine::Bounds>
-      window;                  // the part of the world the screen covers; absent: the pointer's window, else the bounds
+      window;  // part of the world that the screen covers; absent: the window of the pointer, else the bounds
   bool right_presses = false;  // the right button presses, drags and releases as the left one does
 };
 

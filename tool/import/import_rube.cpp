@@ -40,13 +40,13 @@ constexpr std::size_t value_count_max = 4'000'000;    // of a file; 64 bytes eac
 constexpr std::size_t polygon_point_count_max = 256;  // before cleaning
 constexpr std::size_t found_size_max = 40;            // bytes of a text quoted in a message
 constexpr double weld_distance = 0.0025;              // m; Box2D merges polygon vertices closer than half its slop
-constexpr double chain_distance = 0.005;              // m; and has no chain points closer than its slop
+constexpr double chain_distance = 0.005;              // m; Box2D allows no chain points closer than its slop
 constexpr double skin = 0.0075;                       // m; half of the gap that Box2D leaves between resting polygons
 constexpr double density_min = 1e-9;                  // kg/m^2; stands for the format's 0
 constexpr double default_correction = 0.3;            // of a motor joint's error, each step; Box2D's own default
-constexpr double tiny_radius = 0.01;                  // m, of the sensor that stands for no shape
+constexpr double tiny_radius = 0.01;                  // m, of the sensor that a body without shapes gets
 
-// What an exporter writes and an import does not need: names of layers, and how Box2D is to solve.
+// Keys that an exporter writes and an import does not need: names of layers, settings of Box2D's solver.
 constexpr std::array<std::string_view, 8> world_keys_without_effect{
     "collisionbitplanes", "autoClearForces", "positionIterations", "velocityIterations",
     "warmStarting",       "subStepping",     "allowSleep",         "contactListener"};
@@ -83,7 +83,7 @@ struct Place {
   Place at(std::size_t index) const { return {&value->at(index), path + "[" + std::to_string(index) + "]"}; }
 };
 
-/// What is checked before memory is spent on values: how deep and how many. Errors: limit.
+/// Counts depth and values before memory is allocated for them. Errors: limit.
 Status check_extent(std::string_view json, const std::string& source) {
   std::size_t depth = 0, value_count = 1;
   bool in_text = false;
@@ -302,7 +302,7 @@ class Importer {
   // ---- Keys that were not read ----
 
   void use(const Place& object, const char* key) { used_.insert({object.value, key}); }
-  /// Notes the keys of an object that no function has asked for.
+  /// Adds a note for each key of an object that no function has read.
   void count_ignored(const Place& object, const std::string& kind) {
     for (const auto& [key, value] : object.value->items())
       if (used_.count({object.value, key}) == 0) ++ignored_[kind + " key " + in_quotes(key)];
@@ -362,7 +362,7 @@ class Importer {
     if (error_) return;
     if (body.shapes.empty()) add_placeholder(at, body);
     read_mass(at, body);
-    // Box2D is given the velocity of the body's origin, a scene that of the centre of mass.
+    // Box2D takes the velocity of the body's origin; a scene states the velocity of the centre of mass.
     if (!is_static) {
       const Point arm = rotated(body.angle, center_of(at, body));
       body.velocity = {velocity.x - body.angular_velocity * arm.y, velocity.y + body.angular_velocity * arm.x};
@@ -388,10 +388,10 @@ class Importer {
     shape.material.friction = number(at, "friction");
     shape.material.restitution = number(at, "restitution");
     shape.sensor = flag(at, "sensor");
-    // 16 bits each in the format; exporters that treat them as signed write -1 for all of them.
+    // 16 bits each in the format. Exporters that treat them as signed write -1 where all bits are set.
     shape.filter.category = static_cast<std::uint32_t>(whole(at, "filter-categoryBits", -32768, 65535, 1)) & 0xffffu;
     const auto mask = static_cast<std::uint32_t>(whole(at, "filter-maskBits", -32768, 65535, 65535)) & 0xffffu;
-    shape.filter.mask = mask == 0xffffu ? engine::Filter{}.mask : mask;  // all of them
+    shape.filter.mask = mask == 0xffffu ? engine::Filter{}.mask : mask;  // every category
     shape.filter.group = static_cast<std::int32_t>(whole(at, "filter-groupIndex", -32768, 32767, 0));
     for (const char* key : {"circle", "polygon", "chain"}) use(at, key);
     if (at.has("circle")) {
@@ -419,7 +419,7 @@ class Importer {
 
   void read_polygon(const Place& at, Shape& shape) {
     shape.kind = ShapeKind::polygon;
-    shape.radius = skin;  // files are saved with bodies at rest
+    shape.radius = skin;  // editors save bodies at rest, a skin apart
     shape.vertices = points(at, polygon_point_count_max);
     if (error_) return;
     const std::size_t count = shape.vertices.size();
@@ -432,7 +432,7 @@ class Importer {
          std::to_string(shape.vertices.size()) + " are corners");
   }
 
-  /// The corners of the convex hull: Box2D merges near vertices and leaves out what lies on an edge or inside.
+  /// The corners of the convex hull. Box2D merges near vertices, and leaves out vertices on an edge or inside.
   static std::vector<Point> cleaned(const std::vector<Point>& vertices) {
     std::vector<Point> rest;
     double extent = 0;
@@ -443,7 +443,7 @@ class Importer {
         rest.push_back(p);
     std::sort(rest.begin(), rest.end(),
               [](const Point& a, const Point& b) { return a.x < b.x || (a.x == b.x && a.y < b.y); });
-    // Monotone chain; a corner must stand out from the line between its neighbours.
+    // Monotone chain (Andrew, 1979). A corner stands out from the line between its neighbours.
     std::vector<Point> hull;
     const auto add = [&](const Point& p, std::size_t count_min) {
       while (hull.size() > count_min) {
@@ -494,7 +494,7 @@ class Importer {
     body.shapes.push_back(std::move(shape));
   }
 
-  /// A scene's bodies have shapes; the format's may have none, to hold a joint.
+  /// A body of a scene has shapes. A body of the format may have none: it holds a joint.
   void add_placeholder(const Place& at, Body& body) {
     Shape shape;
     shape.radius = tiny_radius;
@@ -515,7 +515,7 @@ class Importer {
       body.mass.emplace();
       body.mass->mass = mass;
       body.mass->center = center;
-      // About the body's origin in the file, about the centre of mass in a scene (parallel axes).
+      // The file states the inertia about the body's origin, a scene about the centre of mass (parallel axes).
       const double inertia = inertia_of_origin - mass * (center.x * center.x + center.y * center.y);
       if (inertia > 0 && !body.fixed_rotation) body.mass->inertia = inertia;
       if (inertia <= 0 && inertia_of_origin > 0 && !body.fixed_rotation)
@@ -524,7 +524,7 @@ class Importer {
     }
     for (const Shape& shape : body.shapes)
       if (shape.kind <= ShapeKind::polygon && shape.density > density_min) return;
-    // As in Box2D: what moves and has no mass gets 1 kg and does not turn.
+    // As in Box2D: a dynamic body without mass gets 1 kg and does not turn.
     body.mass = engine::ExplicitMass{1, {}, Point{}};
     body.fixed_rotation = true;
     note("changed: " + label(at) + ": has no mass, gets 1 kg and does not turn");
@@ -570,7 +570,7 @@ class Importer {
     joint.collide_connected = flag(at, "collideConnected");
     joint.anchor_a = point(at, "anchorA");
     joint.anchor_b = point(at, "anchorB");
-    use(at, "jointSpeed");  // what a motor last did; not a setting
+    use(at, "jointSpeed");  // the last speed of the joint, no setting
 
     if (type == "revolute")
       read_revolute(at, joint);
@@ -603,7 +603,7 @@ class Importer {
     const double lower = number(at, "lowerLimit");
     const double upper = number(at, "upperLimit");
     if (!flag(at, "enableLimit")) return;
-    // What is not given is 0.
+    // A limit that the file leaves out is 0.
     if (lower > upper && at.has("lowerLimit"))
       refuse(at.at("lowerLimit"), "at most upperLimit: " + engine::number_text(upper));
     else if (lower > upper)
@@ -621,7 +621,7 @@ class Importer {
     joint.axis = point(at, key);
     if (!error_ && !(distance(joint.axis, {}) > 0)) fail(ErrorCode::invalid_scene, at, "found no axis of a length");
   }
-  /// In Box2D a frequency of 0 means no spring: then none is set.
+  /// In Box2D a frequency of 0 means no spring.
   void read_spring(const Place& at, const char* frequency_key, const char* ratio_key, Joint& joint) {
     JointSpring spring;
     spring.hertz = number(at, frequency_key);
@@ -629,7 +629,8 @@ class Importer {
     if (spring.hertz > 0) joint.spring = spring;
   }
 
-  /// Box2D ties these springs to masses and inertias alone; the scene's hertz count arms too.
+  /// Box2D computes the stiffness of these springs from masses and inertias. `hertz` of a scene also depends on the
+  /// distance of the anchor from the centre of mass.
   JointSpring absolute_spring(const JointSpring& spring, double inertia) const {
     const double omega = 2 * engine::pi * spring.hertz;
     return {true, 0, 0, inertia * omega * omega, 2 * spring.damping_ratio * omega * inertia};
@@ -658,7 +659,7 @@ class Importer {
     joint.kind = JointKind::distance;
     joint.length = number(at, "maxLength");
     joint.limits = Range{0, joint.length};
-    joint.spring.emplace().absolute = true;  // of no stiffness
+    joint.spring.emplace().absolute = true;  // without stiffness
   }
   void read_wheel(const Place& at, Joint& joint) {
     joint.kind = JointKind::wheel;
@@ -676,7 +677,7 @@ class Importer {
   }
   void read_motor_joint(const Place& at, Joint& joint) {
     joint.kind = JointKind::motor;
-    joint.offset = std::exchange(joint.anchor_a, {});  // the format keeps the offset there
+    joint.offset = std::exchange(joint.anchor_a, {});  // the format has the offset under this key
     joint.anchor_b = {};
     joint.angle_offset = number(at, "refAngle");
     joint.force_max = number(at, "maxForce");
@@ -684,8 +685,8 @@ class Importer {
     const double factor = number(at, "correctionFactor", default_correction);
     if (error_) return;
     if (!(factor > 0 && factor <= 1)) return refuse(at.at("correctionFactor"), "above 0, at most 1");
-    // Each step takes out this share of the error: a spring so much overdamped that it creeps back at factor / dt,
-    // omega / (2 damping_ratio).
+    // Each step removes this share of the error. An overdamped spring does the same: it returns at the rate
+    // omega / (2 damping_ratio), which is to be factor / dt.
     const double hertz = 1 / out_.scene.settings.dt;
     joint.spring = JointSpring{false, hertz, engine::pi / factor, 0, 0};
   }
@@ -697,7 +698,7 @@ class Importer {
     joint.force_max = number(at, "maxForce");
     joint.torque_max = number(at, "maxTorque");
   }
-  /// Box2D holds B where the target is when the joint is made.
+  /// Box2D grips B at the point where the target is when the joint is made.
   void read_mouse(const Place& at, Joint& joint) {
     const Body& body = out_.scene.bodies[joint.body_b];
     joint.kind = JointKind::target;

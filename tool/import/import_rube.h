@@ -15,12 +15,12 @@ struct RubeImport {
   engine::Scene scene;
   std::vector<std::string> notes;  // one line each: what was left out or changed, by name; at most rube_note_count_max
 };
-inline constexpr std::size_t rube_note_count_max = 100;  // the last one then says how many more there are
+inline constexpr std::size_t rube_note_count_max = 100;  // more than that: the last note has the number of the others
 inline constexpr std::size_t rube_file_size_max = 64u << 20;
 
 /// The scene of a "raw info" JSON export. docs/scenes.md, "Scenes of R.U.B.E.", has the rules. `source` is what
-/// messages name first, `name` becomes the scene's. The result keeps the format's rules, not all of a scene's: call
-/// check_scene. Errors: invalid_scene (with the JSON path, what was found and expected), limit, unsupported.
+/// messages name first, `name` becomes the name of the scene. The result may break rules of a scene that the format
+/// does not have: call check_scene. Errors: invalid_scene (with the JSON path, found, expected), limit, unsupported.
 Result<RubeImport> import_rube(std::string_view json, const std::string& source, const std::string& name);
 
 }  // namespace ticktrue::verifier

@@ -1,7 +1,7 @@
 // The model: think, point, press, hold or drag, release.
 // SPDX-License-Identifier: MIT
 // Source: Flash and Hogan, "The coordination of arm movements", 1985 (minimum-jerk path of a hand); Fitts, "The
-// information capacity of the human motor system", 1954 (longer ways take longer).
+// information capacity of the human motor system", 1954 (longer distances take longer).
 #include "tool/import/mouse_model.h"
 
 #include "base/limits.h"
@@ -22,11 +22,11 @@ constexpr std::uint64_t drag_one_in = 6;
 constexpr double think_min_s = 0.25, think_max_s = 1.35;
 constexpr double hold_min_s = 0.06, hold_max_s = 0.16;
 constexpr double report_interval_s = 0.016;
-constexpr double drag_min_s = 0.4, drag_per_window_s = 1.2;  // a way across the window takes longer by this
-// Where people point, in parts of the window: not at the very edge; to drag, low down, where the bodies lie.
+constexpr double drag_min_s = 0.4, drag_per_window_s = 1.2;  // added for a distance of the whole window
+// Where people point, in parts of the window: not at the edge. Drags begin low in the window, where the bodies lie.
 constexpr double edge = 0.08, lying_height = 0.3;
 
-/// Progress 0..1 of a hand at part t of the time: slow, fast, slow.
+/// Progress (0..1) of a hand when the share t of the time has passed: slow, fast, slow.
 double minimum_jerk(double t) {
   return t * t * t * (10 + t * (-15 + 6 * t));
 }
@@ -49,7 +49,7 @@ class Person {
       add(InputKind::release, time_s, {});
       time_s += random_.real(think_min_s, think_max_s);
     }
-    // What would come later than the end does not come at all.
+    // Inputs behind the end are left out.
     while (!inputs_.empty() && inputs_.back().tick >= last_tick) inputs_.pop_back();
     Input end;
     end.tick = last_tick;
@@ -61,7 +61,7 @@ class Person {
  private:
   std::uint64_t tick_of(double time_s) const { return static_cast<std::uint64_t>(time_s / dt_); }
 
-  /// Drags along the way, as often as a mouse reports; the time at its end.
+  /// Drags along the path, as often as a mouse reports. Returns the time at the end.
   double drag(const Point& from, double start_s, std::uint64_t last_tick) {
     const double x = random_.real(edge, 1 - edge);
     const double y = random_.real(lying_height, 1 - edge);
@@ -83,7 +83,7 @@ class Person {
     return start_s + duration_s + random_.real(hold_min_s, hold_max_s);
   }
 
-  /// `part`: of the window, from its lower corner.
+  /// `part`: share of the window's width and height, from its lower left corner.
   void place(Input& input, const Point& part) const {
     input.values[0] = window_.lower.x + part.x * (window_.upper.x - window_.lower.x);
     input.values[1] = window_.lower.y + part.y * (window_.upper.y - window_.lower.y);

@@ -22,7 +22,7 @@ using engine::SolverKind;
 
 namespace {
 
-// What is observed of one run of one point.
+// The observations of one run with one setting.
 struct Observed {
   std::vector<double> times;
   std::vector<std::vector<double>> samples;
@@ -82,14 +82,14 @@ Status run_on_ticks(const Problem& problem, Run& run, Observed& observed) {
   for (int sample = 0; sample < problem.sample_count; ++sample) {
     if (Status did = run.advance(static_cast<std::uint64_t>(std::lround(ticks))); !did) return did;
     add_sample(problem, run.engine(), observed);
-    // The sum of the ticks' lengths has rounding of its own.
+    // Not time_s(): a sum of tick lengths has a rounding error of its own.
     observed.times.back() = problem.duration * (sample + 1) / problem.sample_count;
   }
   observed.step_time_s = run.step_time_s();
   return {};
 }
 
-// Every tick is a sample: a clock need not meet equal times.
+// Every tick is a sample: the ticks of a clock do not end at the common times.
 Status run_on_frames(const Problem& problem, const Method& method, const Setting& setting, Run& run,
                      Observed& observed) {
   auto frames = open_host(setting.host.empty() ? method.host : setting.host, 1);
@@ -135,8 +135,8 @@ double apart(const Problem& problem, double a, double b) {
   return std::isfinite(d) ? d : HUGE_VAL;
 }
 
-// What the same run in f32 is off from f64: rounding. f64 rounds 2^-29 as coarsely, but no less than a random walk of
-// one rounding a tick.
+// The rounding error of a run: in f32 the distance of the run from the same run in f64. In f64 2^-29 of that, and at
+// least a random walk with one rounding a tick.
 double rounding_floor(const Problem& problem, const Method& method, const Observed& f64, const Observed& f32,
                       Precision precision) {
   if (f64.samples.size() != f32.samples.size() || f64.samples.empty()) return 0;
@@ -149,7 +149,7 @@ double rounding_floor(const Problem& problem, const Method& method, const Observ
   const double floor = std::sqrt(sum / static_cast<double>(f64.samples.size())) / problem.scale;
   if (precision == Precision::f32) return floor;
   const auto tick_count = static_cast<double>(f64.point.tick_count);
-  // A clock's samples are at the sum of its ticks' lengths, each of which rounds the same way.
+  // The times of a clock's samples are sums of equal tick lengths, which all round in the same direction.
   return std::max(floor * 0x1p-29, 0x1p-53 * (method.clock ? tick_count : std::sqrt(tick_count)));
 }
 
@@ -166,7 +166,7 @@ Result<AccuracyPoint> timed_point(const Problem& problem, const Method& method, 
   const double simulated_s = kept.times.empty() ? problem.duration : kept.times.back();
   double sum_s = 0;
   while (static_cast<int>(times.size()) < options.repeat_max && (times.size() < 3 || sum_s < options.repeat_s)) {
-    if (!times.empty() && kept.step_time_s > 0.1) break;  // long enough to be timed once
+    if (!times.empty() && kept.step_time_s > 0.1) break;  // a long run is timed once
     const Result<Observed> again = observe(problem, method, setting, precision);
     if (!again) return again.error();
     if (again->point.hash != point.hash) point.state = PointState::not_repeatable;
@@ -215,8 +215,8 @@ void judge_curve(const Problem& problem, AccuracyCurve& curve) {
   curve.judgement = judge(expectation_of(problem, curve.method), steps, errors, floors);
 }
 
-// In f32 rounding may leave only coarse steps above the floor, where no curve has its order yet: then f64 shows the
-// same slope over the same steps, and theory's over finer ones.
+// In f32 the rounding floor may leave only coarse steps, at which no curve has its order yet. Then f64 shows the same
+// slope over the same steps, and the slope of the theory over finer ones.
 void explain_by_f64(const Problem& problem, const std::vector<double>& f64_errors,
                     const std::vector<double>& f64_floors, AccuracyCurve& curve) {
   Judgement& judgement = curve.judgement;
@@ -234,13 +234,13 @@ void explain_by_f64(const Problem& problem, const std::vector<double>& f64_error
   judgement.reason = "rounding leaves coarse steps alone: f64 has this slope over them, and theory's over finer ones";
 }
 
-// A tick that could not be done is a failure; what is refused does not apply.
+// A tick that could not be done is a failure. A scene that is refused is not applicable.
 StudyVerdict verdict_of(const Error& error) {
   const bool is_undone = error.code == ErrorCode::limit || error.code == ErrorCode::inconsistent;
   return is_undone ? StudyVerdict::fail : StudyVerdict::not_applicable;
 }
 
-// One method in the wanted precisions; both are run, since their difference is the rounding floor.
+// One method in the requested precisions. Both are run, since their difference is the rounding floor.
 std::vector<AccuracyCurve> run_method(const Problem& problem, const Method& method, const AccuracyOptions& options) {
   std::vector<AccuracyCurve> curves;
   for (const Precision precision : options.precisions) curves.push_back(empty_curve(problem, method, precision));
@@ -374,7 +374,7 @@ std::optional<double> fitted_slope(const std::vector<double>& steps, const std::
 Expectation expectation_of(const Problem& problem, const Method& method) {
   Expectation out;
   if (problem.is_exact) {
-    // Impacts in a row, hit at the end of their tick, are hit at once.
+    // Without location, several impacts of one tick all happen at its end, at once.
     out.is_exact = problem.kind != ProblemClass::impact || method.locates || problem.is_pair;
     if (!out.is_exact) out.reason = "impacts are not located: those of one tick happen at once";
     return out;
@@ -397,7 +397,7 @@ Expectation expectation_of(const Problem& problem, const Method& method) {
     out.reason = "the substeps follow the target";
     return out;
   }
-  // Constraints hold at the ends of steps: an integrator lifts the order only where their forces are constant.
+  // Constraints are met at the ends of steps: an integrator raises the order only where constraint forces are constant.
   const bool bounces = problem.kind == ProblemClass::impact || problem.kind == ProblemClass::bounce;
   if (method.locates || !bounces) {
     out.slope = integrator.order >= 2 && problem.slope_of_higher ? problem.slope_of_higher : problem.slope;
@@ -415,7 +415,7 @@ Judgement judge(const Expectation& expectation, const std::vector<double>& steps
   out.expected = expectation.slope;
   out.reason = expectation.reason;
   if (expectation.is_exact) {
-    // Rounding alone: ten floors, or a thousand roundings of one.
+    // The limit for rounding alone: ten floors, or a thousand times the rounding error of 1.
     for (std::size_t i = 0; i < errors.size(); ++i)
       if (!(errors[i] <= std::max(10 * floors[i], 1000 * 0x1p-53))) {
         out.verdict = StudyVerdict::fail;

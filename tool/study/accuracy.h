@@ -4,7 +4,7 @@
 // Macklin et al., "Small Steps in Physics Simulation", 2019 (substeps against iterations).
 //
 // Verified: the error of each point (the same bits on every repeat, checked by the hash of the last state), the slope
-// of the finest four points above ten times the rounding floor. Not verified: run times, which are the machine's.
+// of the finest four points above ten times the rounding floor. Not verified: run times, which depend on the machine.
 #pragma once
 
 #include <array>
@@ -28,12 +28,12 @@ struct Method {
   engine::SolverKind solver = engine::SolverKind::tgs_soft;
   engine::IntegratorKind integrator = engine::IntegratorKind::semi_implicit_euler;
   bool automatic = false;                       // target_error is swept
-  bool locates = true;                          // where the scene locates impacts, so does this method
+  bool locates = true;                          // locates impacts, if the scene does
   std::optional<engine::ClockKind> clock = {};  // ticks come from the frames of a host
   std::string host = {};                        // of the clock
 };
 
-/// A setting of a method in a sweep. Fields that do not apply have the scene's values.
+/// A setting of a method in a sweep. Fields that the method does not vary have the values of the scene.
 struct Setting {
   double dt = 1.0 / 60;  // s
   int substeps = 1;
@@ -49,12 +49,12 @@ struct AccuracyPoint {
   double error = 0;          // root mean square over samples, relative to the problem's scale
   double error_max = 0;      // relative
   double floor = 0;          // error due to rounding: relative, root mean square
-  double energy = 0;         // J, at the end less at the start; of kinetic energy and gravity
-  double momentum = 0;       // kg m/s, the same of its length
+  double energy = 0;         // J, end minus start; kinetic energy and gravity
+  double momentum = 0;       // kg m/s, end minus start, of its length
   double overlap_max = 0;    // m, at samples
   double joint_gap_max = 0;  // m, at samples
   std::uint64_t tick_count = 0;
-  int substeps_most = 0;   // of automatic substeps: what was chosen
+  int substeps_most = 0;   // the largest count that automatic substeps chose
   SampleSpread time_ms;    // per simulated second
   std::uint64_t hash = 0;  // of the last state
   PointState state = PointState::ok;
@@ -64,7 +64,7 @@ struct Judgement {
   StudyVerdict verdict = StudyVerdict::not_judged;
   std::optional<double> slope;     // observed
   std::optional<double> expected;  // by theory
-  std::string reason;              // of every verdict but pass
+  std::string reason;              // empty: the verdict is pass
 };
 
 struct AccuracyCurve {
@@ -80,13 +80,12 @@ struct AccuracyCurve {
 inline constexpr double slope_tolerance = 0.15;
 inline constexpr double error_coarse = 0.1;  // relative: points above it do not show an order yet
 
-/// Least squares slope of log error over log h of the finest `count` points above ten times their floor and
-/// below error_coarse; nothing where
-/// fewer than three are left.
+/// Least squares slope of log error over log h, of the finest `count` points above ten times their floor and
+/// below error_coarse. Absent: fewer than three points are left.
 std::optional<double> fitted_slope(const std::vector<double>& steps, const std::vector<double>& errors,
                                    const std::vector<double>& floors, std::size_t count = 4);
 
-/// The theory of a method on a problem: the slope of its error, that it is exact, or why there is no slope.
+/// What theory says of a method on a problem: the slope of the error, or that it is exact, or why there is no slope.
 struct Expectation {
   std::optional<double> slope;
   bool is_exact = false;
@@ -101,8 +100,8 @@ bool shows_order(double error, double floor);
 Judgement judge(const Expectation& expectation, const std::vector<double>& steps, const std::vector<double>& errors,
                 const std::vector<double>& floors);
 
-/// Judges the points of a curve by the bars of the problem. A missed bar makes it fail, or fall short where that is
-/// documented. A curve of which no order is claimed passes if it has bars and keeps them.
+/// Judges the points of a curve by the bars of the problem. A curve that misses a bar fails, or falls short where that
+/// is documented. A curve without an expected order passes if it has bars and keeps them.
 void judge_bars(const Problem& problem, AccuracyCurve& curve);
 
 /// Error of observed values against the problem's exact ones.
@@ -121,8 +120,8 @@ std::vector<Setting> settings_of(const Problem& problem, const Method& method);
 
 struct AccuracyOptions {
   std::vector<engine::Precision> precisions{engine::Precision::f64, engine::Precision::f32};
-  int repeat_max = 7;      // timed runs of a point, after one that is not
-  double repeat_s = 0.02;  // enough of them once they took so long together
+  int repeat_max = 7;      // timed runs of a point, after one without timing
+  double repeat_s = 0.02;  // no further run once they took so long together
   unsigned thread_count = 1;
   std::function<void(std::uint64_t done, std::uint64_t total)> progress;  // curves; from one thread at a time
 };
@@ -133,7 +132,7 @@ Result<std::vector<AccuracyCurve>> run_accuracy(const std::vector<Problem>& prob
 
 /// The point of a curve with at most this error that takes the least time; null if none.
 const AccuracyPoint* cheapest(const AccuracyCurve& curve, double error);
-/// The same without regard to times: the coarsest one.
+/// The coarsest point with at most this error.
 const AccuracyPoint* coarsest(const AccuracyCurve& curve, double error);
 
 /// "1/240" (s), "8 sub", "tol 1e-3": how a setting of a method is written.

@@ -186,17 +186,17 @@ std::optional<double> first_beyond(const std::vector<CompareSample>& samples) {
 
 namespace {
 
-// The trajectory of one run, as far as comparisons need it.
+// One run: the values that comparisons need.
 struct Trajectory {
-  std::string why_not;  // not empty: it was refused, and why
+  std::string why_not;  // why the run was refused; empty: it was not
   bool is_finite = true;
   bool has_clock = false;
   std::vector<double> dts;              // s, of the ticks
   std::vector<std::uint64_t> bits;      // of the bodies after each tick
   std::vector<std::uint64_t> root;      // of the whole state after each tick
   std::vector<Bodies> samples;          // at the common times
-  std::vector<CompareSample> measures;  // of each of them: what needs no base
-  CompareRow row;                       // what needs no base
+  std::vector<CompareSample> measures;  // of each sample: the values that need no base
+  CompareRow row;                       // the values that need no base
   CrosscheckRun outcome;
 };
 
@@ -217,7 +217,7 @@ Scene scene_of(const CompareSession& session, const Variant& variant) {
   return scene;
 }
 
-/// Whether the variant changes no state, so that every column must have the same bits.
+/// Whether the variant must give the bits of the base in every column.
 bool preserves_state(const Variant& v) {
   return !v.integrator && !v.clock && !v.solver && !v.substeps && !v.precision && !v.dt && !v.scene;
 }
@@ -243,7 +243,7 @@ class TickMaker {
     clock_.emplace(engine, std::make_unique<replay::NoInputs>(engine.scene().settings.dt), std::move(*frames));
   }
 
-  /// Errors: what the clock refuses.
+  /// Errors: those of the clock.
   Result<TickInput> next(std::uint64_t tick) {
     if (!error_.empty()) return Error{ErrorCode::io, error_, {}};
     double dt = engine_.scene().settings.dt;
@@ -258,7 +258,7 @@ class TickMaker {
   }
 
  private:
-  // The inputs whose time has come, numbered again: several recorded ticks may fall into one.
+  // The inputs up to this time, with new sequence numbers: several recorded ticks may fall into one tick.
   void collect(double time_s) {
     bytes_.clear();
     std::vector<engine::Input> due;
@@ -280,7 +280,7 @@ class TickMaker {
   Bytes bytes_;
 };
 
-// Where bodies are at `time_s`, between two ticks: a cubic through both poses and velocities.
+// Bodies at `time_s`, between two ticks: a cubic through both poses and velocities.
 Bodies between(const Bodies& before, double before_s, const Bodies& after, double after_s, double time_s) {
   const double length = after_s - before_s;
   if (length <= 0 || std::fabs(after_s - time_s) < 1e-9) return after;
@@ -305,7 +305,7 @@ Bodies between(const Bodies& before, double before_s, const Bodies& after, doubl
   return out;
 }
 
-/// What a sample says without a base, at the end of a tick.
+/// The values of a sample that need no base, at the end of a tick.
 CompareSample measured(const Scene& scene, const Bodies& bodies, const std::vector<engine::ContactReport>& contacts) {
   CompareSample sample;
   sample.energy = energy_of(scene, bodies);
@@ -419,7 +419,7 @@ std::size_t elsewhere(const CrosscheckRun& a, const CrosscheckRun& b, double siz
   return count;
 }
 
-// Fills what needs the base. `twin_rms[i]`: the largest of the twins' at sample i and before.
+// Fills the values that need the base. `twin_rms[i]`: the largest RMS of the twins up to sample i.
 CompareRow against(const Trajectory& base, const Trajectory& trajectory, const std::vector<double>& twin_rms,
                    const CompareSession& session, double size) {
   CompareRow row = trajectory.row;
@@ -467,7 +467,7 @@ CompareRow against(const Trajectory& base, const Trajectory& trajectory, const s
   return row;
 }
 
-// Whether a person would call the outcome another one.
+// Whether the outcome differs visibly: bodies that stand, their order, or where they rest.
 bool differs_in_outcome(const CompareRow& base, const CompareRow& row) {
   const double placed = static_cast<double>(std::max<std::size_t>(1, base.placed_count));
   const double standing = std::fabs(static_cast<double>(base.standing_count) - static_cast<double>(row.standing_count));

@@ -5,8 +5,8 @@
 // base run too (as in identical-twin experiments): every moving body is shifted by one unit in the last place. A
 // difference counts as drift of the variant only if it exceeds the differences of the twins: chaos separates any runs.
 // Verified: bits, tick by tick, where the ticks are the same: of the bodies, and of the whole state in variants that
-// only change what no bit may depend on (broad phase, threads); poses at equal times; which bodies stand, in what
-// order, where bodies rest. Not verified: which of two runs is nearer to the truth (`ticktrue accuracy` does that).
+// only change choices that no bit may depend on (broad phase, threads); poses at equal times; which bodies stand, in
+// what order, where bodies rest. Not verified: which of two runs has the smaller error (`ticktrue accuracy` does that).
 #pragma once
 
 #include <array>
@@ -56,7 +56,7 @@ struct Variant {
   std::shared_ptr<const engine::Scene> scene = {};  // null: that of the session
 };
 
-/// Values per axis; the product of all is what is compared.
+/// Values per axis. Each combination of them is a variant.
 struct CompareAxes {
   std::vector<engine::IntegratorKind> integrators;
   std::vector<engine::ClockKind> clocks;
@@ -73,7 +73,7 @@ std::vector<Variant> product_of(const CompareAxes& axes);
 /// first in messages. Errors: those of scene_with.
 Result<std::vector<Variant>> with_varied(const std::vector<Variant>& variants, const engine::Scene& scene,
                                          const VariedKey& varied, const std::string& place);
-/// What the base is: "tgs_soft, semi_implicit_euler, 4 sub, f32, dt 1/60".
+/// The settings of the base: "tgs_soft, semi_implicit_euler, 4 sub, f32, dt 1/60".
 std::string base_text(const engine::Settings& settings);
 
 enum class CompareVerdict : std::uint8_t { same_bits, within_twins, drift, other_outcome, not_finite, not_applicable };
@@ -87,13 +87,13 @@ inline constexpr std::array<std::string_view, 6> compare_verdict_meanings{
     "a value is not finite (exit code 1)",
     "the choices do not go together, or the variant refuses an input (n/a)"};
 
-/// Against the base at one time.
+/// The difference from the base at one time.
 struct CompareSample {
   double time_s = 0;
   double position_max = 0;  // m
   double position_rms = 0;  // m, over bodies that both have
   double angle_max = 0;     // rad
-  double twin_rms = 0;      // m, the largest of the twins' so far
+  double twin_rms = 0;      // m, the largest value of the twins so far
   double energy = 0;        // J, kinetic and of gravity
   double momentum = 0;      // kg m/s, its length
   double overlap = 0;       // m, the deepest
@@ -114,17 +114,17 @@ struct CompareRow {
   double position_rms = 0;         // m, at the end
   double angle_max = 0;            // rad, over all samples
   std::optional<double> growth;    // 1/s, of the RMS while it grows
-  std::optional<double> beyond_s;  // when its drift first was beyond the twins'
-  double energy = 0;               // J, at the end less at the start (kinetic and of gravity)
+  std::optional<double> beyond_s;  // the first time at which it drifts further than the twins
+  double energy = 0;               // J, end minus start (kinetic and of gravity)
   double momentum = 0;             // kg m/s, length at the end
   double overlap_max = 0;          // m, at samples
   double joint_gap_max = 0;        // m, at samples
   std::size_t placed_count = 0;
   std::size_t standing_count = 0;
-  double order = 0;                 // share of supports still below what they carried
+  double order = 0;                 // share of supports that are still below the body they carried
   std::size_t resting_count = 0;    // at rest in the last second
-  std::size_t elsewhere_count = 0;  // resting in both, farther from the base's place than half the bodies' size
-  double ms_per_s = 0;              // run time per simulated second, once: computed, or by the clock on the wall
+  std::size_t elsewhere_count = 0;  // at rest in both, but more than half the size of a body apart
+  double ms_per_s = 0;              // run time per simulated second, of one run: CPU time, or wall_clock
 };
 
 struct CompareReport {
@@ -139,12 +139,13 @@ struct CompareOptions {
   std::uint64_t host_seed = 1;  // of the hosts of clocks
   int sample_count = 120;
   unsigned thread_count = 1;  // runs at once
-  bool wall_clock = false;    // for ms_per_s: threads that share a tick compute more than passes
+  bool wall_clock =
+      false;  // for ms_per_s: the CPU time of threads that share a tick is larger than the time that passes
   std::function<void(std::uint64_t done, std::uint64_t total)> progress;  // runs; from one thread at a time
 };
-inline constexpr double beyond_factor = 4;  // of the spread of the twins
+inline constexpr double beyond_factor = 4;  // times the spread of the twins: more counts as drift
 
-/// Errors: what make_engine refuses of the base; inputs that the base refuses.
+/// Errors: those of make_engine for the base; inputs that the base refuses.
 Result<CompareReport> compare_variants(const CompareSession& session, const std::vector<Variant>& variants,
                                        const CompareOptions& options);
 

@@ -203,7 +203,7 @@ Problem rolling(std::string name, double inertia_share) {
   return problem;
 }
 
-// Accelerated at mu g = 5 m/s^2 up to 2 m/s.
+// A belt accelerates the body at mu g = 5 m/s^2 up to 2 m/s.
 Problem conveyor() {
   Problem problem =
       of_contacts(ProblemClass::friction, "conveyor", "a box at rest on a belt of 2 m/s, friction 0.5, 1 s", 1);
@@ -220,7 +220,7 @@ Problem conveyor() {
   return problem;
 }
 
-// Braked at 2/3 c g.
+// Rolling resistance brakes at 2/3 c g.
 Problem rolling_resistance() {
   Problem problem = of_contacts(ProblemClass::friction, "rolling_resistance",
                                 "a disc rolls at 4 m/s, rolling resistance 0.3, stops after 4 m", 3);
@@ -291,7 +291,7 @@ Problem stack_height(std::string name, int count, double top_mass, double limit)
   problem.exact = [count](double) { return std::vector<double>{count - 0.5}; };
   problem.slope = 2;
   problem.bars = {{"tgs_soft", "4 sub", limit}};
-  if (count > 10) problem.substeps_max = 256;  // high ones show their order late
+  if (count > 10) problem.substeps_max = 256;  // high stacks show their order only at fine steps
   return problem;
 }
 
@@ -422,7 +422,8 @@ std::vector<Problem> shape_problems() {
   for (Problem (*make)(int) : {family_roll, family_slide, family_stack, family_bounce})
     for (int n = 0; n <= 16; ++n) {
       if (n == 1 || n == 2) continue;
-      if (make == family_stack && n % 2 == 1) continue;  // an odd polygon ends in a corner: nothing lies on it
+      if (make == family_stack && n % 2 == 1)
+        continue;  // a polygon with an odd number of corners has a corner at the top: no body rests on it
       problems.push_back(make(n));
     }
   return problems;

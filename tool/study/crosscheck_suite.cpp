@@ -24,7 +24,7 @@ Shape box(double width, double height) {
   return worlds::box(width / 2, height / 2);
 }
 
-// A scene being built: bodies are dynamic unless said otherwise.
+// Builds a scene. Bodies are dynamic unless a function says otherwise.
 struct Builder {
   Scene scene;
 
@@ -169,7 +169,7 @@ Scene tent_stands() {
   return tent_of(0.8);
 }
 Scene tent_slips() {
-  return tent_of(0.05);  // tan(0.35) / 2 = 0.18 would hold its feet
+  return tent_of(0.05);  // too little: the feet need tan(0.35) / 2 = 0.18
 }
 
 Scene dominoes_of(double push) {
@@ -196,7 +196,7 @@ Scene top_heavy() {
   return built.scene;
 }
 
-// Ten times the density, floor by floor: 1, 10.
+// The upper floor has ten times the density of the lower one.
 Scene heavy_on_light() {
   Builder built;
   built.tower(0, 0, 1, 1, 1);
@@ -211,7 +211,7 @@ Scene light_on_heavy() {
   return built.scene;
 }
 
-// Each brick reaches out by a share of what the harmonic series allows: below 1 they hold, above they fall.
+// Each brick reaches out by a share of the limit, which is the harmonic series. They hold below a share of 1.
 Scene overhang_of(double share) {
   Builder built;
   const int count = 4;
@@ -325,8 +325,8 @@ Scene lever_of(double right_density) {
   built.add({2.5, 1.7}, std::move(right));
   built.friction(0.9);
   if (right_density != 1) {
-    built.pin(1, 2, {0, 0.6}, {0, 0});           // so that it turns in place,
-    built.add_static({2.5, 0.35}, box(1, 0.7));  // and not far
+    built.pin(1, 2, {0, 0.6}, {0, 0});           // the plank turns in place,
+    built.add_static({2.5, 0.35}, box(1, 0.7));  // and this stops it
   }
   return built.scene;
 }
@@ -349,7 +349,7 @@ Scene hanging_chain() {
   return built.scene;
 }
 
-// Ten planks between two pegs, held up as a V and let go: it swings until friction in the air is all that is left.
+// Ten planks between two pegs start as a V. The chain swings until damping has stopped it.
 Scene hanging_bridge() {
   Builder built;
   const engine::SinCos half = {2.1794494717703369 / 5, 0.9};  // five planks come down 2.18 m on 4.5 m

@@ -17,7 +17,6 @@ struct SuiteScene {
   engine::Scene (*make)();
 };
 
-/// In the order in which they are run.
 std::span<const SuiteScene> crosscheck_suite();
 
 }  // namespace ticktrue::verifier

@@ -32,19 +32,19 @@ Problem of_joints(std::string name, std::string summary, std::string reference, 
   return problem;
 }
 
-/// What the three integrators with joints must keep at the settings of a scene by default. `energy` in J; 0: none.
+/// The bars of the three integrators with joints, at the default settings of a scene. `energy` in J; 0: none.
 void set_bars(Problem& problem, double error, double energy = 0) {
   for (const char* method : {"tgs_soft", "tgs_soft verlet", "tgs_soft rk4"})
     problem.bars.push_back({method, "4 sub", error, energy});
 }
 
-/// Swinging joints. Of the miss, so much is known: `error` relative, `energy` in J.
+/// Swinging joints miss the bars by a known amount: `error` relative, `energy` in J.
 void add_drift_shortfalls(Problem& problem, double error, double energy) {
   for (const char* method : {"tgs_soft verlet", "tgs_soft rk4"})
     problem.shortfalls.push_back({method, "half of a joint's impulse enters the drift", error, energy});
 }
 
-// An almost pointlike body.
+// A disc that is almost a point.
 engine::Body bob(Point position) {
   return worlds::weighted(worlds::disc(0.1), position, 1, 0.01);
 }

@@ -1,8 +1,7 @@
 // Measurements of a run: time of the steps, energy, momentum, overlaps, gaps of joints.
 // SPDX-License-Identifier: MIT
 //
-// Verified: nothing here judges. Energies of springs, motors and pointers are not counted: `energy` is kinetic plus
-// that of the scene's gravity.
+// `energy` is kinetic energy and that of the scene's gravity. Energies of springs, motors and pointers are not counted.
 #pragma once
 
 #include <cstdint>
@@ -30,17 +29,17 @@ std::vector<double> joint_gaps(const engine::Scene& scene, const Bodies& bodies)
 double largest(const std::vector<double>& values);
 bool all_finite(const Bodies& bodies);
 double speed_of(const engine::BodyReport& body);
-/// Of the bodies that move.
+/// Sum over the bodies that move.
 double fastest(const Bodies& bodies);
 
 /// CPU time of this thread, s. Other load on the machine is not included. Falls back to a steady clock on systems
 /// without a CPU clock.
 double computed_s();
 
-/// A run whose steps alone are timed.
+/// A run that times the steps and nothing else.
 class Run {
  public:
-  /// Errors: what make_engine refuses.
+  /// Errors: those of make_engine.
   static Result<Run> make(const engine::Scene& scene, const engine::EngineOptions& options = {});
 
   /// Ticks of `dt` (the scene's, if 0). Errors: those of Simulation::step.

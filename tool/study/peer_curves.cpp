@@ -41,8 +41,8 @@ std::vector<PeerScene> peer_scenes() {
        worlds::chain(Precision::f32, 10, {1, 0}, 1)}};
 }
 
-// How far a stack is from boxes that lie on each other: upwards the sum of what each gap has beyond 0 .. skin, across
-// the distance from x = 0.
+// The error of a stack against boxes that lie on each other. Upwards: the sum of the parts of gaps outside 0..skin.
+// Across: the distance from x = 0.
 std::vector<double> stack_errors(const Bodies& bodies, double skin) {
   std::vector<double> errors;
   double up = 0, below = -0.5;
@@ -70,8 +70,7 @@ struct PeerErrors {
   }
 };
 
-// One run: what it is off, and what its ticks took. `step` advances one tick and gives a Status. Errors: those of
-// `step`.
+// The error of one run and the time of its ticks. `step` advances one tick and gives a Status. Errors: those of `step`.
 template <typename Step, typename Report>
 Result<PeerErrors> run_once(const PeerScene& scene, double skin, double& time_ms, Step step, Report report) {
   PeerErrors errors;
@@ -126,7 +125,7 @@ std::string setting_name(const PeerSetting& setting) {
 
 std::vector<PeerSetting> peer_settings() {
   std::vector<PeerSetting> all;
-  // Both sweeps are equally dense.
+  // Both sweeps have the same density of points.
   for (const int substeps : {1, 2, 3, 4, 6, 8, 12, 16, 24, 32, 48, 64, 96, 128}) all.push_back({false, substeps, 0, 0});
   for (const int velocity : {4, 6, 8, 12, 16, 24, 32, 48, 64, 96, 128, 192, 256})
     all.push_back({true, 0, velocity, (3 * velocity + 4) / 8});  // the ratio that Box2D recommends, 8 to 3

@@ -1,9 +1,9 @@
 // Error against run time beside Box2D 2.4.1: ours over substeps, Box2D over iterations, on four scenes.
 // SPDX-License-Identifier: MIT
 //
-// The error is the distance from the ideal geometry, root mean square over bodies and samples of the measured time; of
-// chains the distance of anchors that should be one. Box2D keeps polygons up to two skins apart (0.02 m): in a stack
-// every gap between 0 and two skins counts as none, so only what is beyond is an error. Joints have no skin.
+// The error is the distance from the ideal geometry, root mean square over bodies and samples of the measured time. Of
+// chains it is the distance between two anchors that should meet. Box2D keeps polygons up to two skins apart (0.02 m):
+// gaps of a stack between 0 and two skins count as no error. Joints have no skin.
 // The engines run alternately, repeat by repeat, on one thread.
 #pragma once
 
@@ -27,10 +27,10 @@ struct PeerPoint {
 
 struct PeerCurves {
   std::string name;
-  std::string measure;  // what the error is, and when
+  std::string measure;  // the definition of the error, and when it is taken
   std::vector<PeerPoint> ours;
   std::vector<PeerPoint> box2d;
-  double ratio = 0;    // at the time of Box2D's best point: our best error at no more time, over Box2D's
+  double ratio = 0;    // our best error at the time of Box2D's best point, over the error of that point
   bool holds = false;  // ratio at most 0.5
   std::string conclusion;
 };
@@ -41,7 +41,7 @@ const PeerPoint* best_within(const std::vector<PeerPoint>& points, double time_m
 /// Fills ratio, holds and conclusion.
 void conclude(PeerCurves& curves);
 
-/// The scenes named (all four if none): stack_40, stack_ratio_100, hanging_chain, swinging_chain.
+/// The curves of the scenes (all four if none is named): stack_40, stack_ratio_100, hanging_chain, swinging_chain.
 /// Errors: usage (a name), unsupported (a build without Box2D).
 Result<std::vector<PeerCurves>> run_peer_curves(
     const std::vector<std::string>& names, int repeat_max,

@@ -183,8 +183,8 @@ Problem oscillator(std::string name, double zeta) {
 }
 
 // theta'' = -10 sin theta from 60 degrees: theta = 2 asin(k sn(K - w t, k)). No joint: a spring of almost no stiffness
-// to a point 1e7 m below pulls an arm of 1 m with 10 N always in the same direction, and a constant force takes those
-// 10 N off the centre. What the spring's length changes is 1e-12 of it.
+// to a point 1e7 m below pulls an arm of 1 m with 10 N, always in the same direction. A constant force of 10 N balances
+// it at the centre. The length of the spring changes the force by 1e-12 of it.
 Problem pendulum() {
   Problem problem =
       smooth("pendulum", "1 m, from 60 degrees, as an equation of the angle, 2 s", 2, 120, {pi / 3, 0}, {0, 0});

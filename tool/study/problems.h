@@ -22,12 +22,12 @@ enum class ProblemClass : std::uint8_t { smooth, joint, impact, friction, rest, 
 inline constexpr std::array<std::string_view, 9> problem_class_names{"smooth", "joint", "impact", "friction", "rest",
                                                                      "roll",   "slide", "stack",  "bounce"};
 
-/// What the points of a method must keep at a setting.
+/// Limits for the points of a method at a setting.
 struct Bar {
   std::string method;
-  std::string setting;  // as setting_text prints it; empty: every one
-  double error = 0;     // largest, relative, root mean square; 0: none is set
-  double energy = 0;    // J, largest change in either direction; 0: none is set
+  std::string setting;  // as setting_text prints it; empty: every setting
+  double error = 0;     // the largest, relative, root mean square; 0: no limit
+  double energy = 0;    // J, the largest change in either direction; 0: no limit
 };
 
 /// A method that misses a bar of a problem, the reason (docs/study.md has it, too), and how large the miss may be.
@@ -50,9 +50,9 @@ struct Problem {
   int substeps_max = 64;                  // the finest of the sweep, a power of two
   double dt = 1.0 / 60;                   // s, of a tick where substeps are swept
   std::vector<int> substep_counts;        // of the sweep, ascending; empty: powers of two
-  std::vector<std::string> method_names;  // of methods_of: these alone; empty: all
+  std::vector<std::string> method_names;  // the methods of methods_of to run; empty: all
   bool has_clocks = false;                // smooth: also run on the frames of a host
-  bool is_exact_from_order_2 = false;     // smooth: no error but rounding
+  bool is_exact_from_order_2 = false;     // smooth: integrators of order 2 or more have only rounding errors
   bool is_angle = false;                  // values are angles: differences count modulo a turn
   double size = 0;                        // m, of the smallest shape, where errors are lengths; 0: they are not
   int corner_count = -1;                  // of the shape families: 0 a disc, 3..16
@@ -63,11 +63,11 @@ struct Problem {
 
   /// Theoretical slope of the default solver's error over h; absent: none, see `why_no_slope`.
   std::optional<double> slope;
-  /// The same under integrators of order 2 or more, where it is another one.
+  /// The slope under integrators of order 2 or more, where it differs.
   std::optional<double> slope_of_higher;
   std::string why_no_slope;
-  bool is_exact = false;  // of the scheme itself: only rounding remains
-  bool is_pair = false;   // an impact of two bodies: exact also where it is not located
+  bool is_exact = false;  // the scheme has only rounding errors
+  bool is_pair = false;   // one impact of two bodies: exact also if it is not located
   std::vector<Bar> bars;
   std::vector<Shortfall> shortfalls;
 
@@ -77,7 +77,7 @@ struct Problem {
   std::function<engine::Point(engine::Point position, engine::Point velocity)> acceleration;
 };
 
-/// All but the shape families, in the order in which they are shown.
+/// All problems except the shape families, in the order of the tables.
 std::vector<Problem> verification_problems();
 /// A disc and regular polygons of 3..16 corners, each of 1 kg: rolling, sliding, stacked, bouncing.
 std::vector<Problem> shape_problems();

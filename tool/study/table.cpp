@@ -40,7 +40,7 @@ std::string TextTable::text() const {
 }
 
 std::vector<std::vector<std::size_t>> TextTable::blocks_of(const std::vector<std::size_t>& widths) const {
-  // What says which row it is stands in each block: the columns on the left, or the first where they leave no room.
+  // Each block begins with the columns that name the row: those on the left, or the first where they leave no room.
   std::size_t named_count = std::min(left_, widths.size()), named_width = 0, widest = 0;
   for (std::size_t i = 0; i < widths.size(); ++i) {
     if (i < named_count)
@@ -133,7 +133,7 @@ constexpr std::string_view line_types =
     "  }\n"
     "}\n"
     "set linetype cycle 16\n";
-constexpr std::size_t marked_count_max = 40;  // of points; curves of more are lines alone
+constexpr std::size_t marked_count_max = 40;  // a curve of more points is a line without marks
 
 std::size_t longest_name(const std::vector<Plot>& plots) {
   std::size_t longest = 0;
@@ -142,7 +142,7 @@ std::size_t longest_name(const std::vector<Plot>& plots) {
   return longest;
 }
 
-// Whether names of ticks must be turned to have room beside each other.
+// Whether the names of the axis ticks need turning to fit beside each other.
 bool are_long(const std::vector<std::string>& ticks) {
   return std::any_of(ticks.begin(), ticks.end(), [](const std::string& tick) { return tick.size() > 4; });
 }

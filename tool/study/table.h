@@ -19,9 +19,9 @@ class TextTable {
   explicit TextTable(std::vector<std::string> head, std::size_t left = 1);
   void add(std::vector<std::string> row);
   std::size_t row_count() const { return rows_.size() - 1; }
-  /// Columns as wide as their widest cell, two blanks between them, indented by two. Columns beyond table_width_max
-  /// stand in a further block of lines below, behind the columns on the left. No cell is cut: one that is wider than a
-  /// line makes its line longer.
+  /// A column is as wide as its widest cell. Two blanks separate columns and indent lines. Columns beyond
+  /// table_width_max follow in another block of lines, which repeats the columns on the left. No cell is cut: a line
+  /// with a wider cell is longer.
   std::string text() const;
 
  private:
@@ -57,8 +57,8 @@ struct Plot {
   bool log_y = true;
   std::vector<PlotCurve> curves;
   std::vector<std::string> ticks = {};  // names of x = 1, 2, ...; empty: numbers
-  bool joined = true;                   // points in a row belong together
-  double y_least = 0, y_most = 0;       // values beyond are drawn at the edge; 0, 0: no bounds
+  bool joined = true;                   // a line joins the points
+  double y_least = 0, y_most = 0;       // larger and smaller values are drawn at the edge; 0, 0: no bounds
 };
 /// Draws the plots below each other as SVG, by the program gnuplot. Errors: io; unsupported where gnuplot is missing.
 Status write_plots(const std::vector<Plot>& plots, const std::string& path);

@@ -8,7 +8,7 @@
 
 namespace ticktrue::verifier {
 
-/// not_judged: nothing is claimed of it. falls_short: it misses what is claimed, and docs/study.md says so and why.
+/// not_judged: nothing is claimed. falls_short: it misses the claim, and docs/study.md gives the reason.
 enum class StudyVerdict : std::uint8_t { pass, fail, not_judged, falls_short, not_applicable };
 inline constexpr std::array<std::string_view, 5> study_verdict_names{"pass", "fail", "not_judged", "falls_short",
                                                                      "not_applicable"};

@@ -127,7 +127,7 @@ Scene stack(Precision precision, int count, double size, double jitter) {
   Scene scene = empty(precision);
   scene.name = "stack";
   scene.bodies.push_back(ground());
-  if (size > 10) {  // the ground grows with what stands on it
+  if (size > 10) {  // the ground is wider than the bodies on it
     scene.bodies[0].shapes[0].half_size = {100 * size, size};
     scene.bodies[0].position = {0, -size};
   }

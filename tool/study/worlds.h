@@ -17,7 +17,7 @@ engine::Shape regular(int corner_count, double radius);
 double apothem(int corner_count, double radius);
 
 engine::Body body(engine::Shape shape, engine::Point position, engine::BodyType type = engine::BodyType::dynamic_body);
-/// The same with a mass, and where it is > 0 an inertia.
+/// A body with this mass, and with this inertia if it is > 0.
 engine::Body weighted(engine::Shape shape, engine::Point position, double mass, double inertia = 0);
 /// A static box, 200 m wide, whose top is at y = 0.
 engine::Body ground();

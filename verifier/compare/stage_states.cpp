@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: MIT
 #include "verifier/compare/stage_states.h"
 
+#include <algorithm>
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <utility>

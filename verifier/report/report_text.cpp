@@ -1,5 +1,6 @@
 // A report as text for people: one headline, then indented lines with a label each.
 // SPDX-License-Identifier: MIT
+#include <algorithm>
 #include <cmath>
 #include <cstdio>
 #include <utility>

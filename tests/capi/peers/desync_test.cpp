@@ -316,7 +316,7 @@ TEST_CASE("forged and damaged messages are refused or read, never a crash", "[ca
   REQUIRE(seen.size() >= 2);
   int refused = 0;
   for (int run = 0; run < 6'000; ++run) {
-    // A side that has just begun, so that documents of forged parts are read.
+    // A fresh side every 50 runs: it still reads the documents of forged parts.
     static HerdSide* fresh = nullptr;
     if (run % 50 == 0) {
       delete fresh;

@@ -91,7 +91,7 @@ HelloAnswer answer_to(ticktrue_session* session, const Bytes& bytes) {
   return answer;
 }
 
-/// What player 0 with `here` says of player 1 with `there`.
+/// The report of player 0, who has `here`, on player 1, who has `there`.
 HelloAnswer answer_of_meeting(GameSide here, GameSide there) {
   there.player = 1;
   ticktrue_session* one = open_side(here);
@@ -109,8 +109,8 @@ TEST_CASE("hello refuses 20 mismatches by name, on both sides", "[capi][peers][i
   const struct {
     const char* what;
     std::function<void(GameSide&)> change;
-    const char* line;  // what the side with the usual game says
-    const char* back;  // what the other says
+    const char* line;  // the report of the side with the usual game
+    const char* back;  // the report of the other side
   } mismatches[] = {
       {"simulation", [](GameSide& s) { s.name = "other-game"; }, "simulation: here hello-game, there other-game",
        "simulation: here other-game, there hello-game"},

@@ -21,7 +21,7 @@ namespace ticktrue::test {
 inline constexpr std::size_t unit_count = 6;
 inline constexpr std::size_t match_player_max = 4;
 
-/// What one side does wrong.
+/// The mistake of one side.
 enum class Fault { none, flip, fused, unordered, missing_input, unsaved, clock };
 
 struct PlantedFault {
@@ -40,7 +40,7 @@ struct Unit {
   std::uint32_t cooldown = 0;
 };
 
-/// A game whose rules are few and whose floats are many.
+/// A game with few rules and many floats.
 struct LiveGame {
   std::array<Unit, unit_count> units{};
   std::uint64_t random = 1;
@@ -80,7 +80,7 @@ struct LiveGame {
     }
     ++tick;
   }
-  /// Turns one bit of a value over: after the tick has run.
+  /// Flips one bit of a value after the tick has run.
   void flip(const PlantedFault& fault) {
     Unit& unit = units[fault.row % unit_count];
     const std::uint32_t bit = std::uint32_t{1} << (fault.bit % 23);  // of a float: of its mantissa, it stays finite
@@ -114,7 +114,7 @@ struct LiveGame {
   }
 };
 
-/// A place and the values of two sides, found without ticktrue.
+/// A place and the values of both sides, found by comparing the games themselves.
 struct Difference {
   std::uint64_t tick = 0;
   std::string column;
@@ -159,7 +159,7 @@ struct MatchOptions {
   PlantedFault fault;
 };
 
-/// What one player of the match does and sees.
+/// One player of the match.
 class MatchPlayer {
  public:
   MatchPlayer(const MatchOptions& options, std::uint32_t number)
@@ -188,7 +188,7 @@ class MatchPlayer {
     return static_cast<std::uint8_t>((seed * 31 + player * 7 + tick / 3 + 1) * 2654435761u >> 24);
   }
 
-  /// The bytes for another player: own inputs, roots, and what a desync needs.
+  /// The bytes for another player: own inputs, roots, and messages about a desync.
   std::vector<std::uint8_t> packet(std::uint32_t to) {
     std::vector<std::uint8_t> bytes;
     const auto put = [&bytes](std::uint64_t value) {
@@ -232,7 +232,7 @@ class MatchPlayer {
     if (at < bytes.size()) note(ticktrue_desync_receive(session_, from, bytes.data() + at, bytes.size() - at));
   }
 
-  /// Runs what can run.
+  /// Runs every tick whose inputs are known or guessed.
   void advance() {
     if (options_.rolls_back) roll_back();
     while (game_.tick < options_.tick_count && can_run()) run();
@@ -328,7 +328,7 @@ class MatchPlayer {
   unsigned clock_ = 0;
 };
 
-/// Moves the virtual clock until all is done.
+/// Moves the virtual clock until the match has ended.
 class Match {
  public:
   explicit Match(const MatchOptions& options) : options_(options), random_(static_cast<std::uint32_t>(options.seed)) {

@@ -91,7 +91,7 @@ TEST_CASE("1,000 clean matches with loss and reordering raise no alarm", "[capi]
     for (const auto& player : match.players) {
       CHECK(player->messages == 0);
       CHECK(ticktrue_finish(player->session()) == 0);
-      // Each of the others, up to the last tick.
+      // Each other player, up to the last tick.
       CHECK(occurrences(ticktrue_report(player->session()), ", the same up to tick 39\n") == match.players.size() - 1);
     }
   }

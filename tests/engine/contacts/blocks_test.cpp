@@ -61,7 +61,7 @@ Session disturbed_pyramids(Precision precision, bool sleeps) {
   return session;
 }
 
-/// Thirty ticks of one input each, where change(tick, input) says there is one.
+/// Thirty ticks. `change` fills the input of a tick, and returns whether the tick has one.
 template <typename Change>
 Session thirty_ticks(const Scene& scene, Change change) {
   Session session{"thirty ticks", scene, {}};
@@ -75,7 +75,7 @@ Session thirty_ticks(const Scene& scene, Change change) {
   return session;
 }
 
-/// That keeping what ticks keep changes no bit.
+/// Checks that structures cached over ticks change no bit.
 void check_cached(const Session& session) {
   engine::EngineOptions cached, anew;
   cached.broad_phase = engine::BroadPhaseKind::aabb_tree;
@@ -110,7 +110,7 @@ TEST_CASE("blocks of islands that meet and part give the bits of one set", "[eng
       const Session session = disturbed_pyramids(precision, sleeps);
       engine::EngineOptions general, anew;
       general.full_pipeline = true;                                // may bounce: not in blocks
-      anew.broad_phase = engine::BroadPhaseKind::sweep_and_prune;  // keeps nothing
+      anew.broad_phase = engine::BroadPhaseKind::sweep_and_prune;  // has no cache
       const std::vector<Bytes> expected = run_of(session, general);
       CHECK((run_of(session, {}) == expected));
       CHECK((run_of(session, anew) == expected));

@@ -136,7 +136,7 @@ TEST_CASE("a body that sleeps beside a spring leaves nothing behind for implicit
     scene.settings.sleep->speed_max = 0.125;
     for (const double x : {5.0, -18.0, -15.5}) {
       scene.bodies.push_back(body_of(box_shape(0.5, 0.5), {x, 0.5}));
-      scene.bodies.back().shapes[0].filter.mask = 0;  // nothing meets
+      scene.bodies.back().shapes[0].filter.mask = 0;  // no shapes collide
       scene.bodies.back().velocity = {0, x > 0 ? -1.0 : 0.03125};
     }
     engine::Force spring;

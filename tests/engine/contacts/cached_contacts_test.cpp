@@ -69,7 +69,7 @@ TEST_CASE("cached contacts are those found anew, with speculative contacts",
         const Session session = pushes(still_grid(precision, bullets), seed, tick_count);
         engine::EngineOptions cached, anew;
         cached.broad_phase = engine::BroadPhaseKind::aabb_tree;
-        anew.broad_phase = engine::BroadPhaseKind::brute_force;  // keeps nothing
+        anew.broad_phase = engine::BroadPhaseKind::brute_force;  // has no cache
         CHECK(tick_hashes(session, tick_count, cached) == tick_hashes(session, tick_count, anew));
       }
 }

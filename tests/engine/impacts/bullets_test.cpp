@@ -43,7 +43,7 @@ Shape bullet_shape(Random& random, double size) {
   }
 }
 
-// Walls of 1 mm, plates of 1 cm, along their y axis; solid for what comes from their left.
+// Walls of 1 mm, plates of 1 cm, along their y axis. They stop bodies that come from their left.
 Shape wall_shape(WallKind kind) {
   const double end = wall_half_length;
   switch (kind) {

@@ -243,7 +243,7 @@ TEST_CASE("a break of resting elastic discs keeps energy and momentum at any num
         if (automatic) scene.settings.auto_substeps.emplace();
         scene.bodies.push_back(body_of(disc_shape(0.5), {-6, 0.1}));
         scene.bodies[0].velocity = {20, 0};
-        // A hundredth apart: within the margin of contacts, so that there are contacts of resting pairs.
+        // 1 cm apart: within the margin of contacts, so that resting pairs have contacts.
         for (int row = 0; row < 5; ++row)
           for (int i = 0; i <= row; ++i)
             scene.bodies.push_back(body_of(disc_shape(0.5), {row * 0.88, i * 1.01 - row * 0.505}));

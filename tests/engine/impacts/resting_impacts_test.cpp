@@ -31,7 +31,7 @@ Scene towers_scene(int count, const std::vector<double>& places, Precision preci
   return scene;
 }
 
-// What the bodies have above the energy of the bodies `rest` at rest, J.
+// Energy of the bodies beyond that of the bodies `rest` at rest, J.
 double energy_above(const std::vector<BodyReport>& bodies, const std::vector<BodyReport>& rest) {
   double energy = 0;
   for (std::size_t i = 0; i < bodies.size(); ++i) {
@@ -112,7 +112,7 @@ TEST_CASE("a box lands beside the middle of a resting tower and nothing but the 
 }
 
 // Rigid boxes would not move at all: the impulse goes down within every box, so both points below it can take their
-// share, and all velocities stay zero. What a tower moves by is error: it leans under the new load.
+// share, and all velocities stay zero. Any movement of the tower is an error: it leans under the new load.
 TEST_CASE("a box lands far beside the middle of a tall tower and nothing but the box moves",
           "[engine][stack][resting_impacts]") {
   for (const double target : {0.005, 0.0005})

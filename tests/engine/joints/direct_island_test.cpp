@@ -237,7 +237,7 @@ TEST_CASE("what spins too fast for the substep loses energy and gains none", "[e
     INFO(spin << " rad/s");
     REQUIRE(outcome.guarded > 0);
     REQUIRE(outcome.energy_most < 1e-3 * energy);
-    REQUIRE(gap_of(island) < 1e-4);  // what the guards left open has closed
+    REQUIRE(gap_of(island) < 1e-4);  // the gap that the guards left open has closed
   }
 }
 

@@ -239,7 +239,7 @@ TEST_CASE("a body off its centre on a point spring sags by m g / k in every dire
     Scene scene = empty_scene();
     scene.bodies = {bob({0, 0}, 2, 0.1)};
     scene.bodies[0].angle = turn;
-    scene.bodies[0].angular_damping = 2;  // else it swings about the anchor for long
+    scene.bodies[0].angular_damping = 2;  // without damping it swings about the anchor for long
     scene.joints = {joint_of(JointKind::target, 0, 0)};
     scene.joints[0].anchor_b = {0.3, 0.4};
     scene.joints[0].offset = {0, 0};

@@ -136,7 +136,7 @@ TEST_CASE("every kind of joint runs on with the same bits from an image", "[engi
 }
 
 TEST_CASE("each accumulated force of a joint influences the next tick", "[engine][joints][restore][determinism]") {
-  // What does not would have no place in the state. Forces that a kind does not use stay zero.
+  // A force without influence would not belong to the state. Forces that a kind does not use stay zero.
   Scene scene = empty_scene();
   scene.bodies = {peg({0, 0}), bob({0.5, 0}), bob({1.5, 0})};
   scene.joints = {joint_of(JointKind::prismatic, 0, 1), joint_of(JointKind::weld, 1, 2)};

@@ -1,8 +1,8 @@
 // Joints that are pulled far apart: by weight, by spin, by great mass ratios and from the start.
 // SPDX-License-Identifier: MIT
 //
-// A rigid row gives way by C = F K / w^2 (docs/physics.md, "Joints"), w = 2 pi 0.25 / h; what is let go swings to no
-// more than twice that.
+// A rigid row gives way by C = F K / w^2 (docs/physics.md, "Joints"), w = 2 pi 0.25 / h. A body that is let go swings
+// to at most twice that.
 #include <cmath>
 
 #include "engine/builtin_scenes/builtin_scenes.h"
@@ -51,7 +51,7 @@ Scene grid_of(const char* precision) {
   return *std::move(scene);
 }
 
-// All the weight on one of the seven pegs' pins would open it so far; swinging doubles it.
+// The gap of one pin that carries the whole weight; swinging doubles it.
 double grid_gap_limit() {
   const double mass = pi * 0.16;
   const double inertia = 0.5 * mass * 0.16;
@@ -221,7 +221,7 @@ TEST_CASE("rods on a light hub gain no energy", "[engine][joints][stretched]") {
                    0.5 * body.inertia * body.angular_velocity * body.angular_velocity + 10 * body.mass * body.center.y;
           return sum;
         };
-        const double most = energy() + 0.05 * count * 10 * 0.6;  // of what they fall by
+        const double most = energy() + 0.05 * count * 10 * 0.6;  // a share of the height that they fall
         bool holds = true;
         for (int tick = 0; tick < 600; ++tick) {
           REQUIRE((*made)->step({scene.settings.dt, {}}, nullptr));

@@ -363,7 +363,7 @@ TEST_CASE("a target joint pulls its anchor to the point with no more than its fo
   scene.joints[0].anchor_b = {0, 0.1};
   scene.joints[0].force_max = 1e4;
   scene.joints[0].spring = absolute_spring(400, 40);
-  scene.bodies[0].angular_damping = 2;  // else it swings about the anchor for long
+  scene.bodies[0].angular_damping = 2;  // without damping it swings about the anchor for long
   const auto engine = make_engine_or_fail(scene);
   run_ticks(*engine, 600);
   const BodyReport body = engine->bodies()[0];
@@ -448,7 +448,7 @@ TEST_CASE("a kinematic body moves what is joined to it", "[engine][joints][analy
     Joint joint = joint_of(info.kind, 0, 1);
     joint.anchor_a = info.kind == JointKind::distance ? Point{0, 0} : Point{1, 0};
     joint.offset = info.kind == JointKind::target ? Point{1, 2} : Point{1, 0};
-    if (info.kind == JointKind::pulley) {  // what A's side gives, B's takes
+    if (info.kind == JointKind::pulley) {  // the rope that A's side pays out, B's side takes in
       joint.anchor_a = {0, 0};
       joint.ground_anchor_a = {0, 3};
       joint.ground_anchor_b = {1, -1};

@@ -41,7 +41,7 @@ using Plain = std::remove_cvref_t<Value>;
 
 // ---- JSON Schema ----
 
-/// The rule of a key, with what it refers to.
+/// The rule of a key, with the definitions that it refers to.
 json rule_of(const json& schema, const std::string& definition, const std::string& key) {
   const json& defs = schema["$defs"];
   CAPTURE(definition, key);
@@ -192,7 +192,7 @@ void check_documented(const std::vector<Row>& rows) {
 
 // ---- The binary form ----
 
-/// Name and type of what is stored, in order. A type that is explained in words is empty.
+/// Name and type of the stored values, in order. Empty type: words explain it.
 struct BinaryRows {
   std::vector<std::pair<std::string, std::string>> rows;
 

@@ -380,7 +380,7 @@ TEST_CASE("an input comes back from its line", "[engine][scene_json][equivalence
         "f:1: joint: no joint of the scene has this name: found \"axel\", expected axle");
   CHECK(parse_input(scene, R"({"kind":"set_motor","tick":5,"joint":true})", "f:1").error().message ==
         "f:1: joint: wrong type: found true, expected the index or the name of a joint");
-  // What is zero may be left out.
+  // Zeros may be left out.
   CHECK(*parse_input(scene, R"({"kind":"spawn","tick":5,"prototype":"circle","x":1,"y":2.5})", "f:1") == spawn);
 }
 
@@ -419,7 +419,7 @@ TEST_CASE("the JSON Schema and the parser know the same keys and names", "[engin
     for (const auto& item : object["properties"].items()) keys.insert(item.key());
     return keys;
   };
-  // What the parser takes: its json_refusal of an unknown key lists it.
+  // The parser's keys: its refusal of an unknown key lists them.
   const auto parser_keys = [](const std::string& message) {
     REQUIRE_THAT(message, Contains("unknown key: found \"?\", expected "));
     std::string list = message.substr(message.find("expected ") + 9);

@@ -520,7 +520,7 @@ TEST_CASE("shapes can collide exactly if a dynamic body and another one can exis
 
   scene.bodies = {ground};
   scene.prototypes = {ball, lift};
-  CHECK_FALSE(can_collide(scene));  // nothing is declared that could spawn them
+  CHECK_FALSE(can_collide(scene));  // no input is declared that could spawn them
   scene.inputs = {InputKind::press, InputKind::drag, InputKind::release};
   scene.pointer.emplace();
   CHECK_FALSE(can_collide(scene));
@@ -600,7 +600,7 @@ TEST_CASE("a count that cannot be is refused before memory is taken", "[engine][
   const std::size_t offset = 2 + 4 + 5 + (1 + 8 + 4 + 1 + 4 + 5 + 8 + 4) + (1 + 4 + 3 * 8) + 16;
   Bytes changed = whole;
   REQUIRE(changed[offset] == 4);
-  changed[offset] = 5;  // what follows is read as a body that it is not
+  changed[offset] = 5;  // the bytes behind the last body are read as a body
   CHECK_FALSE(decode_scene(changed));
   for (int i = 0; i < 4; ++i) changed[offset + i] = static_cast<std::uint8_t>(200'000 >> (8 * i));
   CHECK(decode_scene(changed).error().code == ErrorCode::corrupt);

@@ -23,17 +23,17 @@ namespace {
 namespace f64 = engine::f64;
 using Pairs = std::vector<std::pair<std::uint32_t, std::uint32_t>>;
 
-/// As between two ticks of a build that poisons.
+/// Overwrites the workspace, as a build with TICKTRUE_POISON does between two ticks.
 void poison(f64::TickLists& lists) {
   list_fields(lists, engine::Poison{});
   begin_tick(lists);
 }
 
-/// What a broad phase lists, and what it works in.
+/// The lists of a broad phase, and its workspace.
 struct Listing : f64::TickLists {
   f64::BroadPhaseWork work;
 };
-/// What the tree lists, tick after tick.
+/// The lists of a tree that is used tick after tick.
 struct Following : f64::TickLists {
   f64::AabbTree tree;
 
@@ -71,7 +71,7 @@ Scene scattered(std::uint64_t seed, int count, double half_width, double size_mi
   return scene;
 }
 
-/// Boxes of one place: the dynamic ones first and last, the static ones between.
+/// Boxes in one place. In the order of ids: dynamic, static, dynamic.
 Scene coincident(int static_count, int dynamic_count) {
   Scene scene = empty_scene();
   for (int i = 0; i < static_count + dynamic_count; ++i) {
@@ -140,7 +140,8 @@ TEST_CASE("every broad phase gives each pair of overlapping boxes once, in order
     f64::brute_force(model, state, expected, expected.work, dt);
     const Pairs touching = pairs_of(expected);
     for (const auto& info : engine::broad_phases) {
-      if (info.kind == engine::BroadPhaseKind::bounding_circle) continue;  // another superset of what touches
+      if (info.kind == engine::BroadPhaseKind::bounding_circle)
+        continue;  // lists another superset of the touching pairs
       CAPTURE(c.name, info.name);
       const std::unique_ptr<f64::Stage> stage = f64::make_broad_phase(info.kind);
       f64::TickLists found;
@@ -155,7 +156,7 @@ TEST_CASE("every broad phase gives each pair of overlapping boxes once, in order
   }
 }
 
-/// Whether the kept pairs are those of brute force, and a few whose boxes nearly overlap.
+/// Whether the cached pairs are those of brute force and a few more, whose boxes nearly overlap.
 bool contain_those_of(const f64::Model& model, const f64::State& state, const f64::TickLists& cached,
                       const Listing& expected) {
   const Pairs found = pairs_of(cached);
@@ -181,7 +182,7 @@ TEST_CASE("the cached tree gives the pairs of brute force while bodies crawl, ju
   std::size_t unchanged_count = 0;
   for (Case& c : cases()) {
     if (c.scene.bodies.size() > 1000) continue;
-    if (random.below(2) == 0) c.scene.gravity = {0, -500};  // some are fast for what they fall in a tick
+    if (random.below(2) == 0) c.scene.gravity = {0, -500};  // bodies that fall far in a tick count as fast
     const f64::Model model = f64::make_model(c.scene);
     f64::State state = f64::initial_state(model);
     Following cached;
@@ -190,7 +191,7 @@ TEST_CASE("the cached tree gives the pairs of brute force while bodies crawl, ju
       for (f64::BodyRow& body : state.bodies) {
         if (model.bodies[body.source].type == BodyType::static_body) continue;
         const double size = model.bodies[body.source].extent;
-        // Most rest or move within the margins of their boxes, some crawl, a few jump far.
+        // Most bodies rest or move within the margins of their boxes, some crawl, a few jump far.
         const double crawl = random.below(3) == 0 ? 0.02 : random.below(2) == 0 ? 1e-4 : 0;
         const double step = tick % 60 >= 57 ? 0.5 : tick % 7 == 3 ? 1e-5 : random.below(40) == 0 ? 3 : crawl;
         body.position = {body.position.x + size * step * random.real(-1, 1),
@@ -234,7 +235,7 @@ TEST_CASE("the margin of boxes does not count against the limit of pairs", "[eng
       for (const std::size_t too_few : {0, 1}) {
         Following limited = cached;
         limited.pair_count_max = expected.pairs.size() - too_few;
-        limited.tree.pair_list().invalidate();  // what was built is to be built again
+        limited.tree.pair_list().invalidate();  // the list must be built again
         if (by_cells) limited.tree.pair_list().suspend();
         limited.list(model, state, dt);
         CAPTURE(tick, by_cells, too_few);

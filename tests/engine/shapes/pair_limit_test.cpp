@@ -22,7 +22,7 @@ Scene meeting(int count, int tick_count, double radius, Precision precision = Pr
   Scene scene = empty_scene(precision);
   scene.name = "meeting";
   scene.gravity = {0, 0};
-  scene.settings.continuous = false;  // what is fast would be near much from the start
+  scene.settings.continuous = false;  // the swept boxes of fast bodies would overlap from the start
   for (int i = 0; i < count; ++i) {
     const Point from{3.0 * radius * (1 + i % 70), 3.0 * radius * (1 + i / 70)};
     scene.bodies.push_back(body_of(disc_shape(radius), from));
@@ -63,7 +63,7 @@ Stop run(const Scene& scene, const EngineOptions& options, int tick_count) {
     const Status did = engine->step(input, nullptr);
     if (did) continue;
     CHECK(did.error().code == ErrorCode::limit);
-    // It stays so.
+    // Later ticks fail alike.
     CHECK(engine->accept(input).error().message == did.error().message);
     const std::uint64_t hash = root_hash(engine->state());
     CHECK(engine->step(input, nullptr).error().message == did.error().message);
@@ -116,7 +116,7 @@ TEST_CASE("every broad phase stops in the tick that has one pair more than may b
 }
 
 TEST_CASE("a limit that is just enough changes no bit", "[engine][broad_phase][hostile][determinism]") {
-  // The tree then lists no pairs of fat AABBs, since these are more than the pairs that count.
+  // The tree then lists no pairs of fat AABBs: there are more of them than pairs that the limit counts.
   constexpr int tick_count = 24;
   const Scene scene = meeting(150, 12, 0.1);
   const std::vector<std::size_t> counts = pair_counts(scene, tick_count);
@@ -136,9 +136,9 @@ TEST_CASE("a limit that is just enough changes no bit", "[engine][broad_phase][h
 }
 
 TEST_CASE("a limit that is just enough holds where boxes have a margin", "[engine][broad_phase][hostile]") {
-  // Couples of discs come nearer until all leave their fat AABBs in one tick. The tree is then built anew, more fat
-  // AABBs overlap than may be, and the gaps are smaller than the margins of the boxes. Other discs lie beside a static
-  // one: their boxes overlap all the time, so many pairs are allowed.
+  // Two discs each approach each other, until all leave their fat AABBs in one tick. The tree is then rebuilt, more fat
+  // AABBs overlap than the limit allows, and the gaps are smaller than the margins. Other discs lie beside a static
+  // disc: their boxes overlap all the time, so that the limit is not too small.
   constexpr int couple_count = 12;
   constexpr double radius = 0.5;
   for (const double step : {2e-4, 3e-4, 4e-4}) {
@@ -179,7 +179,7 @@ TEST_CASE("5,000 shapes in one place end the run in its first tick", "[engine][h
       CHECK(stop.tick == 0);
       CHECK(stop.message == "tick 0: pairs of shapes near each other: found more than 225568, expected at most 225568");
     }
-  // Those that filters keep from meeting are no pairs, and neither are those of sensors.
+  // Shapes that filters separate are no pairs, nor are sensors.
   Scene scene = coincident_discs(5000, Precision::f32);
   for (Body& body : scene.bodies) body.shapes[0].filter.group = -1;
   CHECK(run(scene, {}, 2).tick == -1);

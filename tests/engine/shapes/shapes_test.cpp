@@ -273,7 +273,7 @@ TEST_CASE("what slides or rolls over the joints of a level chain does not feel t
       CAPTURE(precision, shape.kind, shape.radius);
       const auto [speed, up, x] = run(chain_ground(points), body_of(shape, {}), precision);
       CHECK(std::fabs(speed - 10) < 1e-5);
-      CHECK(up < 0.5 * 10.0 / 240);  // less than half of what one substep of falling gives
+      CHECK(up < 0.5 * 10.0 / 240);  // less than half the speed of one substep of free fall
       CHECK(std::fabs(x - 92) < 1e-3);
     }
   }
@@ -319,8 +319,8 @@ TEST_CASE("down a slope of many edges the speed without friction is g t sin(slop
 
 TEST_CASE("a box slides through a valley and over a hill of a chain without a jump of its speed",
           "[engine][shapes][conservation]") {
-  // Slopes of 1:20: at each corner the velocity turns by 0.05 rad (0.1 at the two in the middle), and what it has along
-  // the new normal, at most 0.1 v, is lost: 0.5 (0.1 v)^2 of the energy at most, 1 % of it at a corner.
+  // Slopes of 1:20. At each corner the velocity turns by 0.05 rad (0.1 at the two in the middle). Its component along
+  // the new normal, at most 0.1 v, is lost: at most 0.5 (0.1 v)^2 of the energy, which is 1 % at a corner.
   Scene scene = empty_scene();
   scene.bodies = {chain_ground({{40, 0}, {30, 0}, {25, 0.25}, {20, 0}, {15, -0.25}, {10, 0}, {0, 0}})};
   Shape box = box_shape(0.5, 0.5);

@@ -41,7 +41,7 @@ class MemoryFile {
   std::string path_;
 };
 
-/// Whether a tick of the scene is little work: what is within the limits may still be far too slow for a fuzzer.
+/// Whether a tick of the scene is little work. A scene within the limits may be far too slow for a fuzzer.
 bool is_small(const engine::Scene& scene);
 
 /// Steps `tick_count` ticks; a state that is finite must load again and then be the same state.

@@ -356,13 +356,14 @@ void seed_verdicts() {
   seed("verdict", verifier::encode_plan({{{1, 2}, {3}, {1}, {2}}}));
 }
 
-/// What two players whose states differ say to each other, first to last.
+/// The messages of two players whose states differ, in order.
 void seed_peers() {
   const fuzz::PeersWorld one(0, 0), other(1, 9);
   const auto with_kind = [](std::uint8_t kind, ByteView bytes) {
-    Bytes all{kind};
-    all.insert(all.end(), bytes.begin(), bytes.end());
-    return all;
+    ByteWriter all;
+    all.u8(kind);
+    all.bytes(bytes);
+    return all.take();
   };
   seed("peers", with_kind(0, one.peers->hello()));
   other.peers->add_root(0, 0, root_hash(one.view()));
@@ -413,7 +414,7 @@ void seed_programs() {
       "\tlinux-vdso.so.1 (0x1)\n\tlibm.so.6 => /lib/libm.so.6 (0x2)\n\tlibx.so => not found\n\t/lib64/ld.so (0x3)\n");
 }
 
-/// Logs that a session writes for `ticktrue trail`: ticks alone, and the list of one of them.
+/// Logs that a session writes for `ticktrue trail`: one of ticks alone, one with the list of a tick.
 void seed_mark_logs() {
   const replay::TickMarks marks{7, {{"rand", 3, 9}, {"libm.sin", 1, 8}}};
   replay::LoggedList list;

@@ -3,8 +3,8 @@
 //
 //   fuzz_short SECONDS SEED NAME LONGEST SEEDS FOUND    the harness NAME on SEEDS/NAME/*, at most LONGEST bytes
 //
-// What libFuzzer finds by coverage this one finds by luck alone; it is for the builds that have sanitizers and no
-// clang. Every input is made in a page shared with the parent process, which keeps what its child died of as
+// libFuzzer searches by coverage, this program by chance alone: it is for builds that have sanitizers and no clang.
+// Every input is made in a page shared with the parent process, which stores the input that killed its child as
 // FOUND/NAME-short.
 #include <sys/mman.h>
 #include <sys/time.h>
@@ -53,7 +53,7 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr int hang_cpu_s = 5;
-constexpr unsigned hang_wall_s = 60;  // of one that waits for something
+constexpr unsigned hang_wall_s = 60;  // a harness that waits longer has hung
 
 using Harness = int (*)(const std::uint8_t*, std::size_t);
 const std::map<std::string, Harness> harnesses{{"trace", fuzz_trace},     {"trace_forged", fuzz_trace_forged},
@@ -70,7 +70,7 @@ Bytes read_file(const fs::path& path) {
   return Bytes(std::istreambuf_iterator<char>(in), {});
 }
 
-/// What is laid over or put into an input: edges of number types, and the words of the harness.
+/// Bytes that replace bytes of an input, or are inserted: limits of number types, and the words of the harness.
 std::vector<Bytes> interesting(const fs::path& dictionary) {
   std::vector<Bytes> words;
   for (const std::size_t size : {1u, 2u, 4u, 8u})
@@ -152,7 +152,7 @@ class Mutator {
   Random random_;
 };
 
-/// What both processes see: the input that runs.
+/// The input that runs, in memory of both processes.
 struct Shared {
   std::uint64_t run_count;
   std::uint64_t size;

@@ -82,7 +82,7 @@ void check_recovery(ByteView bytes, const Reading& whole) {
   ::unlink(output.c_str());
 }
 
-/// Goes through the chunks as a writer would and puts in what only a writer knows: sequence, ticks, chain and checks.
+/// Goes through the chunks, and sets sequence, ticks, chain and checks as a writer would.
 /// Kinds, sizes, records and payloads stay as they are; behind a chunk without sense all stays as it is.
 class Forger {
  public:

@@ -6,10 +6,10 @@
 
 namespace ticktrue::fuzz {
 
-/// Opens, reads to the end, seeks, recovers; where the trace is one of the toy, verifies it.
+/// Opens the trace, reads it to the end, seeks and recovers. A trace of the toy is verified, too.
 void read_in_every_way(ByteView bytes);
 
-/// The trace with the sequence, ticks, chain and checks that a writer would give it; all else as it is.
+/// The trace with the sequence, ticks, chain and checks that a writer would give it. No other byte changes.
 Bytes with_right_checks(ByteView bytes);
 
 }  // namespace ticktrue::fuzz

@@ -107,7 +107,7 @@ TEST_CASE("every letter has ink of its own", "[play][font]") {
   }
 }
 
-/// A world of one body, so that what is drawn is that body.
+/// A world of one body: the picture shows that body alone.
 engine::Scene scene_with(const engine::Shape& shape) {
   engine::Scene scene;
   engine::Body body;
@@ -136,7 +136,7 @@ TEST_CASE("the pixels of a body have their middle where its centre of mass proje
       play::WorldPicture picture(*engine);
       picture.draw(with, view, {});
       play::draw_ground(without, view);
-      // Everything that is not as the empty ground counts alike: the edge, and the fill.
+      // Every pixel that differs from the empty ground counts: edge and fill.
       Canvas difference(view.width, view.height);
       difference.clear(black);
       double area = 0;

@@ -28,7 +28,7 @@ class TemporaryDirectory {
   std::filesystem::path path_;
 };
 
-/// What became of a session.
+/// The outcome of a session.
 struct PlayedSession {
   std::string trace;  // bytes of the file
   std::uint64_t tick_count = 0;

@@ -22,7 +22,7 @@ using verifier::TraceGroup;
 
 constexpr std::uint32_t body_count = 6;
 
-/// What one client does otherwise than the others.
+/// The mistake of one client.
 enum class Planted : std::uint8_t { none, value, missing, extra, other, late, dt };
 constexpr std::array<Planted, 6> planted_faults{Planted::value, Planted::missing, Planted::extra,
                                                 Planted::other, Planted::late,    Planted::dt};
@@ -553,7 +553,7 @@ TEST_CASE("diff of many: traces that begin late join the others", "[verifier][di
   CHECK(report.blame->tick == 25);
   CHECK(report.state->odd[0].divergence.time_s == 25 * 0.015625);
 
-  // It had gone wrong before it begins.
+  // The client had diverged before its trace begins.
   report = diff_all({whole, late_part(recorded(3, {Planted::value, 5}), 12), whole});
   REQUIRE(report.blame);
   CHECK(report.blame->traces == TraceGroup{1});

@@ -42,6 +42,7 @@ struct ReduceCommand {
   std::uint64_t time_s = 600;
   std::uint64_t timeout_s = 60;
   bool is_loose = false;
+  bool any_method = false;
   bool once = false;
   bool json = false;
   std::string output;
@@ -143,6 +144,7 @@ int run_search(const ReduceCommand& command, const SoakCase& session, Predicate&
   reduce::ReduceOptions options;
   options.make = engine::make_engine;
   options.is_loose = command.is_loose;
+  options.any_method = command.any_method;
   options.stops = [&] { return stop_requested() || passed_s() > static_cast<double>(command.time_s); };
   options.progress = [&](std::size_t run_count, const SoakCase&) { progress.update(run_count); };
   const Result<reduce::ReduceResult> result = reduce::reduce(session, predicate, options);
@@ -269,7 +271,10 @@ void add_reduce(CLI::App& app, CliContext& context) {
   add_predicates(*command, *options);
   command->add_option("-o,--output", options->output, "Folder for the result; made if needed")->type_name("DIR");
   command->add_flag("--once", options->once, "Reduce nothing: tell whether the session fails");
-  command->add_flag("--loose", options->is_loose, "A failure in another stage, table or column counts as the same");
+  command->add_flag("--loose", options->is_loose,
+                    "A failure in another stage, table, column or criterion counts as the same");
+  command->add_flag("--any-method", options->any_method,
+                    "Solver, substeps, precision and other settings of the method may become the defaults");
   add_number(*command, "--time", options->time_s, "End the search after so many seconds (default 600)", {1, 1'000'000});
   add_number(*command, "--timeout", options->timeout_s, "Seconds that another program may take (default 60)",
              {1, 1'000'000});

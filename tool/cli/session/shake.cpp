@@ -3,6 +3,7 @@
 #include "tool/experiment/shake/shake.h"
 
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <cstdio>
 #include <cstdlib>
 #include <filesystem>

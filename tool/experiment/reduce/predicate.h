@@ -27,6 +27,8 @@ class Predicate {
   virtual Result<std::optional<Failure>> examine(const SoakCase& session) = 0;
   /// The option that asks the same, as words of a command line.
   virtual std::vector<std::string> words() const = 0;
+  /// Whether the answer is about the outcome of the whole run: then start, ticks and gravity of the session stay.
+  virtual bool is_of_outcome() const { return false; }
   /// Lines for a shell: one that shows the failure on the trace that stands for `{}`, and one that passes on it once
   /// the failure is mended. Empty: `ticktrue reduce --once` does both.
   virtual std::string show_line() const { return {}; }

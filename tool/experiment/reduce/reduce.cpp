@@ -113,6 +113,7 @@ class Reducer {
 
   /// Tries the states 0, 1, 3, 7, ... ticks before the failure as the start.
   void begin_later() {
+    if (predicate_.is_of_outcome()) return;
     const std::uint64_t failed = last_.tick;
     std::vector<std::pair<std::uint64_t, SoakCase>> later;
     walk([&](const Engine& engine) {
@@ -141,7 +142,7 @@ class Reducer {
   SoakCase with_only(Indices bodies) const {
     std::sort(bodies.begin(), bodies.end());
     SoakCase some = verifier::soak::with_bodies(session_, bodies);
-    some.tick_count += spare_ticks;
+    if (!predicate_.is_of_outcome()) some.tick_count += spare_ticks;
     return some;
   }
 
@@ -173,6 +174,8 @@ class Reducer {
     verifier::soak::ShrinkOptions options;
     options.test_count_max = std::numeric_limits<std::size_t>::max();
     options.is_over = [&] { return is_over(); };
+    options.keeps_method = !options_.any_method;
+    options.keeps_course = predicate_.is_of_outcome();
     SoakCase smallest =
         shrink(
             session_, [&](const SoakCase& candidate) { return same_failure(candidate).has_value(); }, options)

@@ -16,6 +16,7 @@ namespace ticktrue::reduce {
 struct ReduceOptions {
   EngineMaker make;               // for states between ticks and neighbours
   bool is_loose = false;          // another stage, table or column counts as the same failure
+  bool any_method = false;        // solver, substeps and other settings of the method may become the defaults
   std::size_t run_count_max = 0;  // calls of the predicate; 0: no limit
   std::function<bool()> stops;    // asked before each run; true: the best so far is the result; may be empty
   std::function<void(std::size_t run_count, const SoakCase& smallest)> progress;  // may be empty

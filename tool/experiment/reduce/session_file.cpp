@@ -2,6 +2,8 @@
 // SPDX-License-Identifier: MIT
 #include "tool/experiment/reduce/session_file.h"
 
+#include <algorithm>
+
 #include "engine/scene/scene_json.h"
 #include "replay/trace_reader.h"
 #include "tool/session/input_source.h"

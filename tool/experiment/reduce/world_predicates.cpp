@@ -199,6 +199,7 @@ class OracleCheck : public Predicate {
 class CrosscheckDiffers : public Predicate {
  public:
   std::vector<std::string> words() const override { return {"--crosscheck"}; }
+  bool is_of_outcome() const override { return true; }
 
   Answer examine(const SoakCase& session) override {
     verifier::CrosscheckOptions options;

@@ -30,7 +30,7 @@ using engine::Scene;
 constexpr engine::FieldRange sample_range{1, 10'000};
 constexpr engine::FieldRange substep_range{1, 1024};
 
-/// What the file says, before it is a problem.
+/// The contents of the file.
 struct ProblemText {
   std::string name;
   std::string summary;
@@ -121,7 +121,7 @@ class ProblemReader final : public OwnFileReader {
   }
 };
 
-/// Expressions that several threads evaluate in turn.
+/// Expressions that several threads use, one at a time.
 struct SharedExpressions {
   std::mutex mutex;
   std::vector<Expression> list;
@@ -189,7 +189,7 @@ class ProblemMaker {
     const bool is_free = scene.settings.solver == engine::SolverKind::free_flight;
     problem.kind = is_free ? ProblemClass::smooth : ProblemClass::joint;
     if (is_free) {
-      // Of the coarsest run: about the scene's own, so that every sample is at the end of a tick.
+      // The step of the coarsest run is near that of the scene, and every sample is at the end of a tick.
       const double ticks = std::ceil(problem.duration / problem.dt / problem.sample_count);
       problem.step_count = problem.sample_count * static_cast<int>(std::clamp(ticks, 1.0, 1000.0));
       return {};
@@ -283,7 +283,7 @@ class ProblemMaker {
     return {};
   }
 
-  /// A bar that no point meets would be kept by all.
+  /// A bar for a setting that no point has would always be kept: it is refused.
   Status check_bar(const Problem& problem, const Bar& bar) {
     std::vector<std::string> settings;
     for (const Method& method : methods_of(problem)) {

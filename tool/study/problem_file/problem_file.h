@@ -1,4 +1,4 @@
-// A problem of one's own: a scene, what is observed of it, and what that should be, in a JSON file.
+// A problem of one's own in a JSON file: a scene, the observed values, and the expected values.
 // SPDX-License-Identifier: MIT
 #pragma once
 

@@ -1,4 +1,4 @@
-// What problems and stress cases of one's own share: reading of JSON, and the scene that the file states.
+// Reading of JSON and of the scene, for problems and stress cases of one's own.
 // SPDX-License-Identifier: MIT
 #pragma once
 

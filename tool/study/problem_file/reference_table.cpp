@@ -18,7 +18,7 @@ std::string_view trimmed(std::string_view text) {
   return text;
 }
 
-/// The numbers of a line; nothing where a cell is none.
+/// The numbers of a line. Absent: a cell is no number.
 std::optional<std::vector<double>> numbers_of(std::string_view line) {
   std::vector<double> numbers;
   while (true) {

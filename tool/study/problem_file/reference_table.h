@@ -19,8 +19,8 @@ class ReferenceTable {
 
   double first_time() const { return times_.front(); }
   double last_time() const { return times_.back(); }
-  /// By the cubic through the four rows around the time: its error is of order 4 in the distance of rows. Requires: a
-  /// time between the first and the last.
+  /// Interpolated by the cubic through the four rows around the time, with an error of order 4 in the distance of rows.
+  /// Requires: a time between the first and the last.
   std::vector<double> at(double time) const;
 
  private:
