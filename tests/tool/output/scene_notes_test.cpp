@@ -95,7 +95,7 @@ TEST_CASE("no built-in scene is far out, and only elastic ones lose energy", "[v
     const auto scene = engine::make_builtin_scene(builtin.name);
     REQUIRE(scene.has_value());
     CAPTURE(builtin.name);
-    const bool is_elastic = builtin.name == "billiards" || builtin.name == "gas";
+    const bool is_elastic = builtin.name == "billiards" || builtin.name == "gas" || builtin.name == "resting";
     CHECK(scene_notes(*scene).empty() != is_elastic);
   }
 }
