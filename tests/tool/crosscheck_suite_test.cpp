@@ -69,6 +69,33 @@ TEST_CASE("scenes of the suite: tgs_soft agrees with Box2D, the thesis' solver d
   }
 }
 
+TEST_CASE("scenes in which the default falls and Box2D's finest steps stand are judged so",
+          "[verifier][crosscheck_suite]") {
+  int count = 0;
+  for (const SuiteScene& scene : crosscheck_suite()) {
+    if (!scene.falls_short) continue;
+    CAPTURE(scene.name);
+    CHECK_FALSE(scene.make().settings.auto_substeps.has_value());
+    CHECK(scene.make().settings.substeps == 4);
+    ++count;
+  }
+  CHECK(count == 10);
+  SKIP_UNLESS(!box2d_version().empty(), "a build without Box2D");
+  for (const std::string_view name : {"under_100", "growing"}) {
+    CAPTURE(name);
+    const CrosscheckReport report = check(name, 1);
+    const auto stands = std::find_if(report.rows.begin(), report.rows.end(), [](const CriterionResult& row) {
+      return row.solver == "tgs_soft" && row.criterion == stands_criterion;
+    });
+    REQUIRE(stands != report.rows.end());
+    CHECK(stands->verdict == Agreement::differ);
+    CHECK(mean_of(stands->ours) == 0);
+    CHECK(mean_of(stands->box2d) == 0);  // both fall alike: only the finest steps tell
+    REQUIRE_FALSE(stands->box2d_finest.empty());
+    CHECK(mean_of(stands->box2d_finest) == 1);
+  }
+}
+
 TEST_CASE("a solver without joints is not applicable to a chain, beside one that is", "[verifier][crosscheck_suite]") {
   SKIP_UNLESS(!box2d_version().empty(), "a build without Box2D");
   const CrosscheckReport report = check("hanging_chain", 1);

@@ -288,16 +288,16 @@ TEST_CASE("a stress number is judged by its bounds, and baselines are excused", 
   CHECK(judge(c, {0.5, false, ""}) == StudyVerdict::fail);
   CHECK(judge(c, {0.5, true, "because"}) == StudyVerdict::not_applicable);
 
-  const std::vector<StressMethod> methods = contact_methods();
+  c.methods = contact_methods();
   std::vector<StressRow> rows(4);
   for (StressRow& row : rows) row.verdict = StudyVerdict::fail;
-  excuse(rows, methods);
+  excuse(rows, c);
   CHECK(rows[0].verdict == StudyVerdict::fail);
   CHECK(rows[1].verdict == StudyVerdict::fail);
   CHECK(rows[2].verdict == StudyVerdict::not_judged);
   for (StressRow& row : rows) row.verdict = StudyVerdict::fail;
   rows[1].verdict = StudyVerdict::pass;
-  excuse(rows, methods);
+  excuse(rows, c);
   CHECK(rows[0].verdict == StudyVerdict::falls_short);
 }
 

@@ -58,25 +58,6 @@ void add_sample(const Problem& problem, const engine::Engine& engine, Observed& 
   observed.point.joint_gap_max = std::max(observed.point.joint_gap_max, largest(joint_gaps(engine.scene(), bodies)));
 }
 
-// The largest substep count of the state's table `substeps`; 0 without one.
-int substeps_most(const engine::Engine& engine) {
-  const StateView& view = engine.state();
-  const auto table = view.schema->find_table("substeps");
-  if (!table) return 0;
-  std::uint32_t most = 0;
-  const TableSchema& schema = view.schema->tables[*table];
-  for (const Column& column : schema.columns) {
-    if (column.name != "count") continue;
-    for (std::size_t row = 0; row < view.tables[*table].row_count; ++row) {
-      std::uint32_t value = 0;
-      const std::uint8_t* at = view.tables[*table].data + row * schema.row_size + column.offset;
-      std::copy(at, at + sizeof value, reinterpret_cast<std::uint8_t*>(&value));
-      most = std::max(most, value);
-    }
-  }
-  return static_cast<int>(most);
-}
-
 Status run_on_ticks(const Problem& problem, Run& run, Observed& observed) {
   const double ticks = problem.duration / run.engine().scene().settings.dt / problem.sample_count;
   for (int sample = 0; sample < problem.sample_count; ++sample) {

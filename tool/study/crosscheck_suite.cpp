@@ -369,7 +369,71 @@ Scene hanging_bridge() {
   return built.scene;
 }
 
-constexpr std::array<SuiteScene, 35> scenes{{
+// ---- Too much for 4 substeps, and for Box2D's plain steps ----
+
+Scene by_default(Builder built) {
+  built.scene.settings.auto_substeps.reset();
+  return built.scene;
+}
+
+template <int count>
+Scene default_tower() {
+  Builder built;
+  built.tower(0, 0, count, 1, 1);
+  return by_default(std::move(built));
+}
+
+Scene default_slabs() {
+  Builder built;
+  built.tower(0, 0, 40, 2, 0.4);
+  return by_default(std::move(built));
+}
+
+Scene default_pillar() {
+  Builder built;
+  built.tower(0, 0, 12, 0.6, 1.2);
+  return by_default(std::move(built));
+}
+
+Scene small_tower() {
+  Builder built;
+  built.tower(0, 0, 10, 0.1, 0.1);
+  return by_default(std::move(built));
+}
+
+Scene slow_tower() {
+  Builder built;
+  built.tower(0, 0, 10, 1, 1);
+  built.scene.settings.dt = 1.0 / 20;
+  return by_default(std::move(built));
+}
+
+// Boxes of 1 kg under one that is heavier.
+template <int count, int load>
+Scene loaded() {
+  Builder built;
+  built.tower(0, 0, count, 1, 1);
+  built.tower(0, count, 1, 1, 1, load);
+  return by_default(std::move(built));
+}
+
+// Each box has ten times the mass of the one below.
+Scene growing() {
+  Builder built;
+  double density = 1;
+  for (int i = 0; i < 4; ++i, density *= 10) built.tower(0, i, 1, 1, 1, density);
+  return by_default(std::move(built));
+}
+
+Scene lintel() {
+  Builder built;
+  built.tower(-2, 0, 6, 1, 1);
+  built.tower(2, 0, 6, 1, 1);
+  built.tower(0, 6, 1, 6, 1, 50);
+  return by_default(std::move(built));
+}
+
+constexpr std::array<SuiteScene, 45> scenes{{
     {"tower_5", "stands", 10, tower<5>},
     {"tower_10", "stands", 10, tower<10>},
     {"tower_15", "stands", 10, tower<15>},
@@ -405,6 +469,16 @@ constexpr std::array<SuiteScene, 35> scenes{{
     {"lever_tips", "tips to the heavy side", 10, lever_tips},
     {"hanging_chain", "hangs", 10, hanging_chain},
     {"hanging_bridge", "sags into a curve", 10, hanging_bridge},
+    {"default_tower_20", "stands", 10, default_tower<20>, true},
+    {"default_tower_30", "stands", 10, default_tower<30>, true},
+    {"default_slabs", "stands", 10, default_slabs, true},
+    {"default_pillar", "stands", 10, default_pillar, true},
+    {"small_tower", "stands", 10, small_tower, true},
+    {"slow_tower", "stands, at 20 ticks a second", 10, slow_tower, true},
+    {"under_1000", "stands", 10, loaded<4, 1001>, true},
+    {"under_100", "stands", 10, loaded<9, 100>, true},
+    {"growing", "stands", 10, growing, true},
+    {"lintel", "stands", 10, lintel, true},
 }};
 
 }  // namespace

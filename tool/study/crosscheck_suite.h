@@ -15,6 +15,8 @@ struct SuiteScene {
   std::string_view outcome;  // the expected outcome
   double seconds;            // simulated
   engine::Scene (*make)();
+  // It runs with 4 substeps, and with these ours falls where Box2D's finest steps stand: `differ` is the right verdict.
+  bool falls_short = false;
 };
 
 std::span<const SuiteScene> crosscheck_suite();

@@ -88,6 +88,24 @@ double largest(const std::vector<double>& values) {
   return out;
 }
 
+int substeps_most(const engine::Engine& engine) {
+  const StateView& view = engine.state();
+  const auto table = view.schema->find_table("substeps");
+  if (!table) return 0;
+  std::uint32_t most = 0;
+  const TableSchema& schema = view.schema->tables[*table];
+  for (const Column& column : schema.columns) {
+    if (column.name != "count") continue;
+    for (std::size_t row = 0; row < view.tables[*table].row_count; ++row) {
+      std::uint32_t value = 0;
+      const std::uint8_t* at = view.tables[*table].data + row * schema.row_size + column.offset;
+      std::copy(at, at + sizeof value, reinterpret_cast<std::uint8_t*>(&value));
+      most = std::max(most, value);
+    }
+  }
+  return static_cast<int>(most);
+}
+
 bool all_finite(const Bodies& bodies) {
   return std::all_of(bodies.begin(), bodies.end(), [](const BodyReport& body) {
     return std::isfinite(body.center.x) && std::isfinite(body.center.y) && std::isfinite(body.velocity.x) &&

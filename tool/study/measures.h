@@ -27,6 +27,8 @@ double deepest_overlap(const std::vector<engine::ContactReport>& contacts);
 /// wheel), off its length (a rod). Others, and those of bodies that are gone: 0.
 std::vector<double> joint_gaps(const engine::Scene& scene, const Bodies& bodies);
 double largest(const std::vector<double>& values);
+/// The largest substep count of the state's table `substeps`; 0 without one.
+int substeps_most(const engine::Engine& engine);
 bool all_finite(const Bodies& bodies);
 double speed_of(const engine::BodyReport& body);
 /// Sum over the bodies that move.

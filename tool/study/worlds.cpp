@@ -102,6 +102,11 @@ void set_material(Scene& scene, double friction, double restitution) {
     }
 }
 
+void touch_nothing(Scene& scene) {
+  for (Body& each : scene.bodies)
+    for (Shape& shape : each.shapes) shape.filter.group = -1;
+}
+
 void set_bounces(Scene& scene, double restitution) {
   scene.settings.locate_impacts = true;
   scene.settings.restitution_threshold = 0;

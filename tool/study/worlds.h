@@ -28,6 +28,8 @@ engine::Scene empty(engine::Precision precision);
 /// Nothing collides; one disc of 1 kg, no gravity, one substep.
 engine::Scene flight(engine::Precision precision, engine::Point position, engine::Point velocity);
 void set_material(engine::Scene& scene, double friction, double restitution);
+/// No two bodies of the scene meet.
+void touch_nothing(engine::Scene& scene);
 /// Every contact bounces with `restitution` at the moment of impact, without friction.
 void set_bounces(engine::Scene& scene, double restitution);
 /// Level ground under inclined gravity: a slope down to the right.

@@ -10,6 +10,7 @@
 #include "tool/cli/commands.h"
 #include "tool/output/json_output.h"
 #include "tool/output/progress.h"
+#include "tool/output/scene_notes.h"
 #include "tool/output/trace_text.h"
 #include "tool/session/plugin_session.h"
 #include "tool/session/session.h"
@@ -58,6 +59,8 @@ int run_record(const RecordCommand& options) {
     return fail_usage(status.error());
   if (const Status status = verifier::check_not_read(options.output, {options.scene, options.inputs}); !status)
     return fail_usage(status.error());
+  const std::vector<std::string> notes = verifier::scene_notes(*scene);
+  for (const std::string& note : notes) print_note(note);
   catch_stop_signals();
   Result<SessionInputs> inputs =
       runs_trace ? std::move(again->inputs) : open_session_inputs(*scene, options.inputs, options.tick_count);
@@ -105,6 +108,7 @@ int run_record(const RecordCommand& options) {
     object["checkpoint_interval"] = options.checkpoint_interval;
     object["reason"] = end_reason_name(result->reason);
     object["note"] = result->note;
+    object["scene_notes"] = notes;
     object["inputs"] = input_count;
     object["ignored_inputs"] = engine.ignored_inputs();
     object["ms_per_tick"] = tick_ms;

@@ -6,6 +6,7 @@
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include "base/parallel/jobs.h"
@@ -207,6 +208,35 @@ Agreement verdict_on(const CrosscheckSolver& solver) {
   return solver.passed > 0 ? Agreement::agree : Agreement::not_applicable;
 }
 
+/// A verdict on one scene of the suite, with the word that is shown.
+enum class SuiteVerdict : std::uint8_t { agree, differ, expected, not_applicable, falls_short, misjudged };
+constexpr std::array<std::string_view, 6> suite_verdict_names{"agree",          "differ",      "expected",
+                                                              "not_applicable", "falls_short", "misjudged"};
+
+// Of a scene in which ours is known to fall: falls_short if the cross-check says so, misjudged if it does not.
+SuiteVerdict suite_verdict(const SuiteRow& row, const CrosscheckSolver& solver) {
+  if (!row.scene->falls_short || solver.solver != engine::info_of(engine::solvers, engine::SolverKind::tgs_soft).name) {
+    switch (verdict_on(solver)) {
+      case Agreement::agree:
+        return SuiteVerdict::agree;
+      case Agreement::expected:
+        return SuiteVerdict::expected;
+      case Agreement::differ:
+        return SuiteVerdict::differ;
+      case Agreement::not_applicable:
+        break;
+    }
+    return SuiteVerdict::not_applicable;
+  }
+  for (const CriterionResult& each : row.report.rows) {
+    if (each.solver != solver.solver || each.criterion != verifier::stands_criterion) continue;
+    const bool is_told = each.verdict == Agreement::differ && !each.box2d_finest.empty() &&
+                         verifier::mean_of(each.ours) < verifier::mean_of(each.box2d_finest);
+    return is_told ? SuiteVerdict::falls_short : SuiteVerdict::misjudged;
+  }
+  return row.report.is_structure ? SuiteVerdict::misjudged : SuiteVerdict::not_applicable;
+}
+
 // As many names as fit the line, then how many more.
 std::string some_criteria(const CrosscheckReport& report, const std::string& solver, Agreement verdict) {
   constexpr std::size_t width = 56;
@@ -228,15 +258,16 @@ std::string suite_text(const std::vector<SuiteRow>& rows) {
   std::string text = fmt::format(format, "scene", "solver", "verdict", "stood", "Box2D", "criteria of this verdict");
   for (const SuiteRow& row : rows) {
     for (const CrosscheckSolver& solver : row.report.solvers) {
-      const Agreement verdict = verdict_on(solver);
+      const SuiteVerdict verdict = suite_verdict(row, solver);
       const auto stood = [&](std::size_t count) {
-        return row.report.is_structure && verdict != Agreement::not_applicable
+        return row.report.is_structure && verdict != SuiteVerdict::not_applicable
                    ? fmt::format("{} of {}", count, row.report.seed_count)
                    : std::string("-");
       };
-      text += fmt::format(format, row.scene->name, solver.solver, verdict_name(verdict), stood(solver.stood),
-                          stood(row.report.box2d_stood),
-                          verdict == Agreement::agree ? "" : some_criteria(row.report, solver.solver, verdict));
+      text += fmt::format(
+          format, row.scene->name, solver.solver, suite_verdict_names[static_cast<std::size_t>(verdict)],
+          stood(solver.stood), stood(row.report.box2d_stood),
+          verdict == SuiteVerdict::agree ? "" : some_criteria(row.report, solver.solver, verdict_on(solver)));
       while (text.size() > 1 && text[text.size() - 2] == ' ') text.erase(text.size() - 2, 1);
     }
   }
@@ -245,7 +276,7 @@ std::string suite_text(const std::vector<SuiteRow>& rows) {
 
 struct SuiteCount {
   std::string solver;
-  int agree = 0, expected = 0, differ = 0, not_applicable = 0;
+  int agree = 0, expected = 0, differ = 0, not_applicable = 0, falls_short = 0, misjudged = 0;
 };
 
 std::vector<SuiteCount> count_suite(const std::vector<SuiteRow>& rows) {
@@ -255,18 +286,24 @@ std::vector<SuiteCount> count_suite(const std::vector<SuiteRow>& rows) {
       const auto found = std::find_if(counts.begin(), counts.end(),
                                       [&](const SuiteCount& count) { return count.solver == solver.solver; });
       SuiteCount& count = found == counts.end() ? counts.emplace_back(SuiteCount{solver.solver}) : *found;
-      switch (verdict_on(solver)) {
-        case Agreement::agree:
+      switch (suite_verdict(row, solver)) {
+        case SuiteVerdict::agree:
           ++count.agree;
           break;
-        case Agreement::expected:
+        case SuiteVerdict::expected:
           ++count.expected;
           break;
-        case Agreement::differ:
+        case SuiteVerdict::differ:
           ++count.differ;
           break;
-        case Agreement::not_applicable:
+        case SuiteVerdict::not_applicable:
           ++count.not_applicable;
+          break;
+        case SuiteVerdict::falls_short:
+          ++count.falls_short;
+          break;
+        case SuiteVerdict::misjudged:
+          ++count.misjudged;
           break;
       }
     }
@@ -282,17 +319,23 @@ Json suite_json(const std::vector<SuiteRow>& rows, const std::vector<SuiteCount>
   for (const SuiteCount& count : counts) {
     solvers.push_back({{"solver", count.solver},
                        {"passed", count.agree},
-                       {"failed", count.differ},
+                       {"failed", count.differ + count.misjudged},
                        {"expected", count.expected},
+                       {"falls_short", count.falls_short},
+                       {"misjudged", count.misjudged},
                        {"not_applicable", count.not_applicable}});
     all.agree += count.agree;
     all.differ += count.differ;
     all.expected += count.expected;
     all.not_applicable += count.not_applicable;
+    all.falls_short += count.falls_short;
+    all.misjudged += count.misjudged;
   }
   object["passed"] = all.agree;
-  object["failed"] = all.differ;
+  object["failed"] = all.differ + all.misjudged;
   object["expected"] = all.expected;
+  object["falls_short"] = all.falls_short;
+  object["misjudged"] = all.misjudged;
   object["not_applicable"] = all.not_applicable;
   object["solvers"] = std::move(solvers);
   Json list = Json::array();
@@ -300,6 +343,9 @@ Json suite_json(const std::vector<SuiteRow>& rows, const std::vector<SuiteCount>
     Json entry = report_json(row.report);
     entry["scene"] = row.scene->name;
     entry["outcome"] = row.scene->outcome;
+    for (std::size_t i = 0; i < row.report.solvers.size(); ++i)
+      entry["solvers"][i]["suite_verdict"] =
+          suite_verdict_names[static_cast<std::size_t>(suite_verdict(row, row.report.solvers[i]))];
     list.push_back(std::move(entry));
   }
   object["rows"] = std::move(list);
@@ -340,12 +386,18 @@ int run_suite(const CrosscheckCommand& command) {
     print_json(suite_json(rows, counts));
   } else {
     print(suite_text(rows) + "\n");
-    for (const SuiteCount& count : counts)
-      print(fmt::format("{:<10} agree {} of {}{}\n", count.solver, count.agree + count.expected,
-                        count.agree + count.expected + count.differ,
-                        count.expected > 0 ? fmt::format(" ({} expected)", count.expected) : std::string()));
+    for (const SuiteCount& count : counts) {
+      const auto with = [](int number, std::string_view what) {
+        return number > 0 ? fmt::format(" ({} {})", number, what) : std::string();
+      };
+      print(fmt::format("{:<10} agree {} of {}{}{}{}\n", count.solver, count.agree + count.expected,
+                        count.agree + count.expected + count.differ, with(count.expected, "expected"),
+                        with(count.falls_short, "fall short as docs/crosscheck.md says"),
+                        with(count.misjudged, "misjudged")));
+    }
   }
-  const bool differs = std::any_of(counts.begin(), counts.end(), [](const auto& count) { return count.differ > 0; });
+  const bool differs =
+      std::any_of(counts.begin(), counts.end(), [](const auto& count) { return count.differ + count.misjudged > 0; });
   return differs ? exit_finding : exit_ok;
 }
 

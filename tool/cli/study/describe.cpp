@@ -10,6 +10,8 @@
 #include "engine/scene/scene_fields.h"
 #include "tool/cli/commands.h"
 #include "tool/output/json_output.h"
+#include "tool/output/scene_notes.h"
+#include "tool/study/table.h"
 
 namespace ticktrue::cli {
 namespace {
@@ -71,6 +73,10 @@ void print_text(const engine::Engine& engine, const DescribeOptions& options) {
     print(fmt::format("  {:<16} {:<20} {}\n", choice.key, choice.value, choice.summary));
     if (options.full) print(fmt::format("  {:<16} {}\n", "", "of " + choice.allowed));
   }
+  if (const std::vector<std::string> notes = verifier::scene_notes(scene); !notes.empty()) {
+    print("notes\n");
+    for (const std::string& note : notes) print(verifier::wrapped(note, 2));
+  }
   print("pipeline of a tick\n");
   for (const engine::StageDescription& stage : engine.describe())
     print(fmt::format("  {:<3} {:<16} {}\n", stage.included ? "in" : "out", stage.name, stage.why));
@@ -106,6 +112,7 @@ void print_object(const engine::Engine& engine) {
     object["inputs"].push_back(engine::input_kinds[static_cast<std::size_t>(kind)].name);
   object["choices"] = Json::object();
   for (const ChoiceText& choice : choices_of(scene.settings)) object["choices"][std::string(choice.key)] = choice.value;
+  object["notes"] = verifier::scene_notes(scene);
   object["stages"] = Json::array();
   for (const engine::StageDescription& stage : engine.describe())
     object["stages"].push_back({{"name", stage.name}, {"included", stage.included}, {"why", stage.why}});

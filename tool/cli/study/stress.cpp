@@ -16,11 +16,13 @@
 #include "tool/output/json_output.h"
 #include "tool/output/progress.h"
 #include "tool/study/problem_file/stress_file.h"
+#include "tool/study/stress/stress_run_time.h"
 
 namespace ticktrue::cli {
 namespace {
 
 using verifier::full_number;
+using verifier::RunTimeRow;
 using verifier::short_number;
 using verifier::StabilityRow;
 using verifier::StressRow;
@@ -35,6 +37,7 @@ struct StressCommand {
   bool with_long = false;
   bool no_limits = false;
   bool limits_alone = false;
+  bool run_time = false;
   bool brief = false;
   bool list = false;
   bool example = false;
@@ -118,7 +121,8 @@ std::string brief_text(const std::vector<StressRow>& rows) {
     text += "\n" + table.text();
   }
   return text +
-         "    !: fails.  ~: outside the bounds, but expected: a baseline, or the other sort of substeps passes\n";
+         "    !: fails.  ~: outside the bounds: a baseline, or falls short as docs/study.md says, or another method "
+         "passes\n";
 }
 
 std::string limits_text(const std::vector<StabilityRow>& limits) {
@@ -146,8 +150,9 @@ std::string summary_text(const std::vector<StressRow>& rows, const VerdictCounts
   std::string text = "\n" + counts_text(counts) + "\n";
   for (const StressRow& row : rows)
     if (row.verdict == StudyVerdict::fail)
-      text += fmt::format("  fail  {}  {}  {}: found {}, expected {} {}\n", row.name, precision_name(row.precision),
-                          row.method, short_number(row.value), bound_text(row), row.unit);
+      text += fmt::format("  fail  {}  {}  {}: found {}, expected {}{}{}{}\n", row.name, precision_name(row.precision),
+                          row.method, short_number(row.value), bound_text(row), row.unit.empty() ? "" : " ", row.unit,
+                          row.reason.empty() ? "" : ": " + row.reason);
   return text;
 }
 
@@ -182,6 +187,47 @@ Json report_json(const std::vector<StressRow>& rows, const std::vector<Stability
   return object;
 }
 
+std::string run_time_text(const std::vector<RunTimeRow>& rows) {
+  TextTable table({"scene", "precision", "ticks", "auto ms", "64 sub ms", "ratio", "worst", "substeps", "at most",
+                   "overlap", "gap m"},
+                  2);
+  for (const RunTimeRow& row : rows) {
+    const auto per_tick = [&](double seconds) { return seconds * 1e3 / static_cast<double>(row.tick_count); };
+    table.add({row.scene, std::string(precision_name(row.precision)), std::to_string(row.tick_count),
+               fmt::format("{:.3g}", per_tick(row.automatic_s)), fmt::format("{:.3g}", per_tick(row.fixed_s)),
+               fmt::format("{:.2f}", row.ratio()), fmt::format("{:.2f}", row.worst_ratio),
+               std::to_string(row.substeps_most), std::to_string(row.ticks_at_most), short_number(row.overlap),
+               short_number(row.gap)});
+  }
+  return "\nrun time  of a tick, automatic substeps and 64 fixed ones in turns on one thread\n" + table.text() +
+         verifier::wrapped(fmt::format("ratio: auto over 64. worst: the same of {} ticks. substeps: the most of an "
+                                       "island. at most: ticks in which an island had the most that the scene allows. "
+                                       "overlap: deepest, of the smallest size. gap: widest. Reported, not judged",
+                                       verifier::run_time_window),
+                           4);
+}
+
+Json run_time_json(const std::vector<RunTimeRow>& rows, const std::string& command_line) {
+  Json object;
+  object["schema"] = "ticktrue.stress_run_time/1";
+  object["command"] = command_line;
+  object["rows"] = Json::array();
+  for (const RunTimeRow& row : rows)
+    object["rows"].push_back({{"scene", row.scene},
+                              {"what", row.what},
+                              {"precision", precision_name(row.precision)},
+                              {"ticks", row.tick_count},
+                              {"automatic_s", row.automatic_s},
+                              {"fixed_s", row.fixed_s},
+                              {"ratio", row.ratio()},
+                              {"worst_ratio", row.worst_ratio},
+                              {"substeps_most", row.substeps_most},
+                              {"ticks_at_most", row.ticks_at_most},
+                              {"overlap", number_json(row.overlap)},
+                              {"gap", number_json(row.gap)}});
+  return object;
+}
+
 std::string csv_of(const std::vector<StressRow>& rows) {
   std::string text = verifier::csv_line(
       {"case", "method", "precision", "verdict", "value", "lower", "upper", "unit", "reason", "best_known", "source"});
@@ -193,10 +239,12 @@ std::string csv_of(const std::vector<StressRow>& rows) {
 }
 
 // One diagram a precision: how far each case is from its upper bound, per method.
-std::vector<verifier::Plot> plots_of(const std::vector<StressRow>& rows,
-                                     const std::vector<engine::Precision>& precisions) {
+std::vector<verifier::Plot> plots_of(const std::vector<StressRow>& rows) {
   std::vector<verifier::Plot> plots;
-  for (const engine::Precision precision : precisions) {
+  for (const auto& info : engine::precisions) {
+    const engine::Precision precision = info.kind;
+    if (std::none_of(rows.begin(), rows.end(), [&](const StressRow& row) { return row.precision == precision; }))
+      continue;
     verifier::Plot plot{
         fmt::format("stress ({})", precision_name(precision)), "", "found over the upper bound", false, true, {}};
     plot.joined = false;
@@ -228,12 +276,39 @@ int list_cases() {
   return exit_ok;
 }
 
+std::vector<engine::Precision> precisions_of(const StressCommand& command) {
+  std::vector<engine::Precision> precisions;
+  for (const std::string& name : command.precisions)
+    precisions.push_back(engine::find_choice(engine::precisions, name)->kind);
+  return precisions;
+}
+
+int run_run_times(const StressCommand& command) {
+  verifier::RunTimeOptions options;
+  options.names = command.cases;
+  options.precisions = precisions_of(command);
+  Progress progress("stress --run-time", 1, "ticks");
+  options.progress = [&](std::uint64_t done, std::uint64_t total) { progress.update(done, total); };
+  const auto rows = verifier::run_times(options);
+  progress.finish();
+  if (!rows) return fail_usage(rows.error());
+  std::string command_line = "ticktrue stress --run-time";
+  for (const std::string& name : command.cases) command_line += " " + name;
+  for (const std::string& name : command.precisions) command_line += " --precision " + name;
+  if (command.files.json)
+    print_json(run_time_json(*rows, command_line));
+  else
+    print("stress  " + command_line + "\n" + run_time_text(*rows));
+  return exit_ok;
+}
+
 int run_stress_command(const StressCommand& command) {
   if (command.list) return list_cases();
   if (command.example) {
     print(verifier::example_stress);
     return exit_ok;
   }
+  if (command.run_time) return run_run_times(command);
   verifier::StressOptions options;
   for (const std::string& name : command.cases) {
     if (std::filesystem::path(name).extension() != ".json") {
@@ -246,9 +321,7 @@ int run_stress_command(const StressCommand& command) {
   }
   options.with_long = command.with_long;
   options.thread_count = command.thread_count > 0 ? static_cast<unsigned>(command.thread_count) : core_count();
-  options.precisions.clear();
-  for (const std::string& name : command.precisions)
-    options.precisions.push_back(engine::find_choice(engine::precisions, name)->kind);
+  options.precisions = precisions_of(command);
   Progress progress("stress", 1, "runs");
   options.progress = [&](std::uint64_t done, std::uint64_t total) { progress.update(done, total); };
   Result<std::vector<StressRow>> rows = std::vector<StressRow>();
@@ -275,9 +348,7 @@ int run_stress_command(const StressCommand& command) {
     print("stress  " + command_line + "\n" + (command.brief ? brief_text(*rows) : cases_text(*rows)) +
           limits_text(limits) + summary_text(*rows, counts) +
           (command.cases.empty() ? "spinning tops and gyroscopic terms: not applicable in two dimensions\n" : ""));
-  if (const int code = write_study_files(command.files, csv_of(*rows), plots_of(*rows, options.precisions));
-      code != exit_ok)
-    return code;
+  if (const int code = write_study_files(command.files, csv_of(*rows), plots_of(*rows)); code != exit_ok) return code;
   return counts.of(StudyVerdict::fail) > 0 ? exit_finding : exit_ok;
 }
 
@@ -299,7 +370,12 @@ void add_stress(CLI::App& app, CliContext& context) {
       ->check(CLI::IsMember(names));
   command->add_flag("--long", options->with_long, "Cases that take minutes too");
   auto* no_limits = command->add_flag("--no-limits", options->no_limits, "Without the table of stability limits");
-  command->add_flag("--limits", options->limits_alone, "The table of stability limits alone")->excludes(no_limits);
+  auto* limits =
+      command->add_flag("--limits", options->limits_alone, "The table of stability limits alone")->excludes(no_limits);
+  command
+      ->add_flag("--run-time", options->run_time,
+                 "Run time of automatic substeps beside 64 fixed ones, in scenes of its own (CASE: their names)")
+      ->excludes(limits);
   command->add_flag("--brief", options->brief, "One line a case");
   command->add_flag("--list", options->list, "List the cases, run none");
   command->add_flag("--example", options->example, "Print a file of one's own to begin with, run none");

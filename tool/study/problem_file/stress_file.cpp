@@ -105,6 +105,7 @@ struct Measured {
 /// The measure after each tick from `from` on; the one that counts.
 StressValue run_measured(const Scene& scene, const Measured& measured) {
   StressValue out;
+  out.ran_in = scene.settings.precision;
   Result<Run> run = Run::make(scene);
   if (!run) {
     out.why_not = run.error().message;
@@ -163,7 +164,8 @@ Result<std::vector<StressMethod>> methods_of(const StressText& text, const Scene
   own.name = as_stated;
   known.push_back(own);
   const bool is_free = scene.settings.solver == engine::SolverKind::free_flight;
-  for (StressMethod& method : is_free ? integrator_methods() : contact_methods()) known.push_back(std::move(method));
+  for (StressMethod& method : is_free ? integrator_methods() : joint_methods()) known.push_back(std::move(method));
+  if (!is_free) known.push_back(contact_methods().back());
   if (text.methods.empty()) return known;
   std::vector<StressMethod> chosen;
   std::vector<std::string_view> names;

@@ -23,6 +23,21 @@ std::vector<StressMethod> contact_methods() {
           {"impulse", SolverKind::impulse, IntegratorKind::semi_implicit_euler, false, true}};
 }
 
+std::vector<StressMethod> load_methods() {
+  std::vector<StressMethod> methods = contact_methods();
+  methods.pop_back();
+  methods.insert(methods.begin() + 2,
+                 {"tgs_soft measured", SolverKind::tgs_soft, IntegratorKind::semi_implicit_euler, true, false, true});
+  return methods;
+}
+
+std::vector<StressMethod> joint_methods() {
+  std::vector<StressMethod> methods = load_methods();
+  methods.insert(methods.begin() + 3, {"tgs_soft direct", SolverKind::tgs_soft, IntegratorKind::semi_implicit_euler,
+                                       false, false, false, true});
+  return methods;
+}
+
 std::vector<StressMethod> integrator_methods() {
   std::vector<StressMethod> methods;
   for (const engine::IntegratorInfo& info : engine::integrators)
@@ -37,26 +52,66 @@ StudyVerdict judge(const StressCase& stress_case, const StressValue& value) {
   return passes ? StudyVerdict::pass : StudyVerdict::fail;
 }
 
-void excuse(std::vector<StressRow>& rows, const std::vector<StressMethod>& methods) {
-  bool auto_passes = false, default_passes = false;
+namespace {
+
+// Of a method that keeps bounds which others miss.
+std::string passes_with(const StressMethod& method) {
+  std::string text = "passes with ";
+  if (method.is_measured) return text + "automatic substeps from measured loads";
+  if (method.automatic) return text + "automatic substeps";
+  if (method.joins_direct) return text + "direct joints";
+  return text + "the default's substeps";
+}
+
+}  // namespace
+
+void excuse(std::vector<StressRow>& rows, const StressCase& stress_case) {
+  const std::vector<StressMethod>& methods = stress_case.methods;
+  // Other substeps, other loads or direct joints: another integrator excuses nothing.
+  const auto passing = [&](const StressMethod& missing) -> const StressMethod* {
+    for (std::size_t i = 0; i < rows.size(); ++i)
+      if (rows[i].verdict == StudyVerdict::pass && !methods[i].is_baseline &&
+          methods[i].integrator == missing.integrator)
+        return &methods[i];
+    return nullptr;
+  };
   for (std::size_t i = 0; i < rows.size(); ++i) {
-    const bool passes = rows[i].verdict == StudyVerdict::pass && !methods[i].is_baseline;
-    (methods[i].automatic ? auto_passes : default_passes) |= passes;
-  }
-  for (std::size_t i = 0; i < rows.size(); ++i) {
-    if (rows[i].verdict != StudyVerdict::fail) continue;
+    StressRow& row = rows[i];
+    if (row.verdict != StudyVerdict::fail) continue;
     if (methods[i].is_baseline) {
-      rows[i].verdict = StudyVerdict::not_judged;
-      rows[i].reason = "a method to compare with";
-    } else if (auto_passes && !methods[i].automatic) {
-      rows[i].verdict = StudyVerdict::falls_short;
-      rows[i].reason = "passes with automatic substeps";
-    } else if (default_passes && methods[i].automatic) {
-      rows[i].verdict = StudyVerdict::falls_short;
-      rows[i].reason = "passes with the default's substeps";
+      row.verdict = StudyVerdict::not_judged;
+      row.reason = "a method to compare with";
+      continue;
+    }
+    const auto cure = std::find_if(stress_case.cures.begin(), stress_case.cures.end(),
+                                   [&](const StressCure& each) { return each.method == row.method; });
+    if (cure != stress_case.cures.end()) {
+      row.reason += (row.reason.empty() ? "" : "; ") + cure->place + " names it as the cure";
+      continue;
+    }
+    const auto known =
+        std::find_if(stress_case.shortfalls.begin(), stress_case.shortfalls.end(), [&](const StressShortfall& each) {
+          return each.method == row.method && (!each.precision || each.precision == row.precision) &&
+                 row.value >= each.lower && row.value <= each.upper;
+        });
+    if (known != stress_case.shortfalls.end()) {
+      row.verdict = StudyVerdict::falls_short;
+      row.reason = known->reason;
+    } else if (const StressMethod* other = passing(methods[i])) {
+      row.verdict = StudyVerdict::falls_short;
+      row.reason = passes_with(*other);
     }
   }
 }
+
+namespace {
+
+// A case that is run in one precision alone is run once, whatever is asked for.
+std::vector<Precision> precisions_of(const StressCase& stress_case, const std::vector<Precision>& wanted) {
+  return stress_case.only ? std::vector<Precision>{*stress_case.only} : wanted;
+}
+
+}  // namespace
 
 Result<std::vector<StressRow>> run_stress(const StressOptions& options) {
   std::vector<StressCase> cases;
@@ -85,7 +140,7 @@ Result<std::vector<StressRow>> run_stress(const StressOptions& options) {
   };
   std::vector<Job> jobs;
   for (std::size_t c = 0; c < cases.size(); ++c)
-    for (const Precision precision : options.precisions)
+    for (const Precision precision : precisions_of(cases[c], options.precisions))
       for (std::size_t m = 0; m < cases[c].methods.size(); ++m) jobs.push_back({c, m, precision});
   std::vector<StressRow> rows(jobs.size());
   std::mutex mutex;
@@ -94,8 +149,10 @@ Result<std::vector<StressRow>> run_stress(const StressOptions& options) {
     const StressCase& each = cases[jobs[i].stress_case];
     const StressMethod& method = each.methods[jobs[i].method];
     const StressValue value = each.run(method, jobs[i].precision);
-    rows[i] = {each.name,  method.name, jobs[i].precision, judge(each, value), value.value,     each.lower,
-               each.upper, each.unit,   each.what,         value.why_not,      each.best_known, each.source};
+    rows[i] = {each.name,          method.name,     value.ran_in.value_or(jobs[i].precision),
+               judge(each, value), value.value,     each.lower,
+               each.upper,         each.unit,       each.what,
+               value.why_not,      each.best_known, each.source};
     if (!value.is_finite) rows[i].reason = "a value is not finite";
     if (!value.why_undone.empty()) rows[i].reason = value.why_undone;
     const std::lock_guard<std::mutex> lock(mutex);
@@ -105,12 +162,12 @@ Result<std::vector<StressRow>> run_stress(const StressOptions& options) {
   if (!ran) return ran.error();
   std::vector<StressRow> out;
   for (std::size_t i = 0; i < rows.size();) {
-    const std::vector<StressMethod>& methods = cases[jobs[i].stress_case].methods;
+    const StressCase& each = cases[jobs[i].stress_case];
     const auto first = rows.begin() + static_cast<std::ptrdiff_t>(i);
-    std::vector<StressRow> group(first, first + static_cast<std::ptrdiff_t>(methods.size()));
-    excuse(group, methods);
+    std::vector<StressRow> group(first, first + static_cast<std::ptrdiff_t>(each.methods.size()));
+    excuse(group, each);
     out.insert(out.end(), group.begin(), group.end());
-    i += methods.size();
+    i += each.methods.size();
   }
   return out;
 }

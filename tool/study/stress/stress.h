@@ -9,6 +9,7 @@
 #include <array>
 #include <cstdint>
 #include <functional>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -25,11 +26,17 @@ struct StressMethod {
   std::string name;
   engine::SolverKind solver = engine::SolverKind::tgs_soft;
   engine::IntegratorKind integrator = engine::IntegratorKind::semi_implicit_euler;
-  bool automatic = false;    // substeps
-  bool is_baseline = false;  // for comparison: its failures are expected
+  bool automatic = false;     // substeps
+  bool is_baseline = false;   // for comparison: its failures are expected
+  bool is_measured = false;   // automatic substeps follow from measured loads
+  bool joins_direct = false;  // joints are solved directly
 };
 /// Default, automatic substeps, pgs, impulse.
 std::vector<StressMethod> contact_methods();
+/// Default, automatic substeps, those from measured loads, pgs.
+std::vector<StressMethod> load_methods();
+/// The same and direct joints.
+std::vector<StressMethod> joint_methods();
 /// Every integrator, without constraints; those that theory lets grow or decay are baselines.
 std::vector<StressMethod> integrator_methods();
 
@@ -37,8 +44,25 @@ std::vector<StressMethod> integrator_methods();
 struct StressValue {
   double value = 0;
   bool is_finite = true;
-  std::string why_not;          // not empty: not applicable, and why
-  std::string why_undone = {};  // not empty: a tick could not be done, and why
+  std::string why_not;                           // not empty: not applicable, and why
+  std::string why_undone = {};                   // not empty: a tick could not be done, and why
+  std::optional<engine::Precision> ran_in = {};  // absent: nothing ran
+};
+
+/// A document says that this method keeps the bounds of a case. A miss of it always fails.
+struct StressCure {
+  std::string method;
+  std::string place;  // "README.md"
+};
+
+/// A method that misses the bounds of a case, the reason (docs/study.md has it, too), and between which numbers it
+/// does.
+struct StressShortfall {
+  std::string method;
+  std::string reason;
+  double lower = 0;
+  double upper = 0;
+  std::optional<engine::Precision> precision = {};  // absent: both
 };
 
 struct StressCase {
@@ -51,6 +75,9 @@ struct StressCase {
   std::string source;      // of that
   bool is_long = false;    // minutes: only when asked for
   std::vector<StressMethod> methods;
+  std::optional<engine::Precision> only = {};  // the one that it is run in, whatever is asked for
+  std::vector<StressCure> cures = {};
+  std::vector<StressShortfall> shortfalls = {};
   std::function<StressValue(const StressMethod&, engine::Precision)> run;
 };
 
@@ -60,7 +87,7 @@ std::vector<StressCase> stress_cases();
 struct StressRow {
   std::string name;
   std::string method;
-  engine::Precision precision = engine::Precision::f32;
+  engine::Precision precision = engine::Precision::f32;  // that the engine ran with
   StudyVerdict verdict = StudyVerdict::not_applicable;
   double value = 0;
   double lower = 0;
@@ -72,12 +99,12 @@ struct StressRow {
   std::string source;
 };
 
-/// The verdict on a number, and for baselines and for the default where automatic substeps pass, why it is expected.
+/// Within the bounds or not, before anything is excused.
 StudyVerdict judge(const StressCase& stress_case, const StressValue& value);
-/// Failures of baselines are not judged. Those of the default in a case that automatic substeps pass, or the other way
-/// round, fall short: a case fails where neither passes. `rows` are all rows of one case
-/// and precision, `methods` in the same order.
-void excuse(std::vector<StressRow>& rows, const std::vector<StressMethod>& methods);
+/// Failures of baselines are not judged. Others fall short where docs/study.md says so, or where another method passes.
+/// What a document names as the cure is never excused. `rows` are all rows of the case in one precision, in the order
+/// of its methods.
+void excuse(std::vector<StressRow>& rows, const StressCase& stress_case);
 
 struct StressOptions {
   std::vector<std::string> names;  // of cases, or their beginnings; empty: all, unless there are own ones

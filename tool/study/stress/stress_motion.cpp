@@ -60,8 +60,9 @@ void add_integrator_cases(std::vector<StressCase>& cases) {
   cases.push_back(std::move(spring));
   StressCase orbit = motion_case(
       "kepler_100",
-      "an orbit of eccentricity 0.3, 100 times around, 500 steps each, f64: largest relative error of the energy",
-      "of 1", 0, 0.01, "symplectic: bounded", "problem 9");
+      "an orbit of eccentricity 0.3, 100 times around, 500 steps each: largest relative error of the energy", "of 1", 0,
+      0.01, "symplectic: bounded", "problem 9");
+  orbit.only = Precision::f64;  // 50,000 steps of f32 round by more than the bound
   orbit.run = [](const StressMethod& method, Precision) {
     Scene scene = worlds::flight(Precision::f64, {0.7, 0}, {0, std::sqrt(1.3 / 0.7)});
     Force force;
@@ -164,6 +165,7 @@ void add_other_cases(std::vector<StressCase>& cases) {
   bad.methods = {contact_methods()[0]};
   bad.run = [](const StressMethod&, Precision precision) {
     StressValue out;
+    out.ran_in = precision;
     for (const Scene& scene : bad_scenes(precision)) out.value += engine::make_engine(scene) ? 1 : 0;
     return out;
   };

@@ -15,8 +15,13 @@ using engine::Scene;
 std::vector<StressCase> stress_cases() {
   std::vector<StressCase> cases;
   add_contact_cases(cases);
+  add_small_and_far_cases(cases);
+  add_load_cases(cases);
   add_joint_cases(cases);
+  add_floating_cases(cases);
+  add_scheme_cases(cases);
   add_motion_cases(cases);
+  add_claims(cases);
   return cases;
 }
 
@@ -24,6 +29,8 @@ Scene with_method(Scene scene, const StressMethod& method) {
   scene.settings.solver = method.solver;
   scene.settings.integrator = method.integrator;
   if (method.automatic) scene.settings.auto_substeps.emplace();
+  if (method.is_measured) scene.settings.substep_loads = engine::SubstepLoads::measured;
+  if (method.joins_direct) scene.settings.joints = engine::JointSolverKind::direct;
   if (!engine::info_of(engine::solvers, method.solver).substeps) {
     scene.settings.substeps = 1;
     scene.settings.auto_substeps.reset();
@@ -33,8 +40,10 @@ Scene with_method(Scene scene, const StressMethod& method) {
 }
 
 StressValue run_case(const Scene& scene, double seconds, const std::function<bool(const Bodies&)>& watch,
-                     const std::function<double(const Engine&, const Bodies&, const Bodies&)>& finish) {
+                     const std::function<double(const Engine&, const Bodies&, const Bodies&)>& finish,
+                     const InputsOfTick& inputs) {
   StressValue out;
+  out.ran_in = scene.settings.precision;
   Result<Run> run = Run::make(scene);
   if (!run) {
     out.why_not = run.error().message;
@@ -43,7 +52,9 @@ StressValue run_case(const Scene& scene, double seconds, const std::function<boo
   const Bodies start = run->bodies();
   const auto tick_count = static_cast<std::uint64_t>(std::lround(seconds / scene.settings.dt));
   for (std::uint64_t tick = 0; tick < tick_count; ++tick) {
-    if (const Status did = run->advance(1); !did) {
+    Bytes bytes;
+    if (inputs) engine::encode_inputs(inputs(tick), bytes);
+    if (const auto did = run->step({scene.settings.dt, bytes}); !did) {
       out.why_undone = did.error().message;
       return out;
     }
@@ -58,6 +69,30 @@ StressValue run_case(const Scene& scene, double seconds, const std::function<boo
   }
   out.value = finish(run->engine(), start, run->bodies());
   out.is_finite = std::isfinite(out.value);
+  return out;
+}
+
+StressValue worst_gap(const Scene& scene, double seconds, double settle, double size) {
+  double most = 0, time = 0;
+  return run_case(
+      scene, seconds,
+      [&](const Bodies& bodies) {
+        time += scene.settings.dt;
+        if (time >= settle) most = std::max(most, largest(joint_gaps(scene, bodies)));
+        return true;
+      },
+      [&](const Engine&, const Bodies&, const Bodies&) { return most / size; });
+}
+
+StressCase make_case(std::string name, std::string what, std::string unit, double lower, double upper,
+                     std::vector<StressMethod> methods) {
+  StressCase out;
+  out.name = std::move(name);
+  out.what = std::move(what);
+  out.unit = std::move(unit);
+  out.lower = lower;
+  out.upper = upper;
+  out.methods = std::move(methods);
   return out;
 }
 

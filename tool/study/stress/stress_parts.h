@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include <cstdint>
 #include <functional>
 #include <string>
 #include <vector>
@@ -12,18 +13,34 @@
 namespace ticktrue::verifier {
 
 void add_contact_cases(std::vector<StressCase>& cases);
+void add_small_and_far_cases(std::vector<StressCase>& cases);
+void add_load_cases(std::vector<StressCase>& cases);
+void add_floating_cases(std::vector<StressCase>& cases);
+void add_scheme_cases(std::vector<StressCase>& cases);
 void add_motion_cases(std::vector<StressCase>& cases);
 void add_joint_cases(std::vector<StressCase>& cases);
+
+/// Adds what documents say of the cases: StressCase::cures and shortfalls.
+void add_claims(std::vector<StressCase>& cases);
 
 /// The scene set as the method says.
 engine::Scene with_method(engine::Scene scene, const StressMethod& method);
 
+/// The inputs of a tick, in order.
+using InputsOfTick = std::function<std::vector<engine::Input>(std::uint64_t tick)>;
+
 /// Runs for `seconds`; `watch` is called after every tick and may be empty; false ends the run. `finish` gives the
-/// number. What is refused is not applicable, with the reason; a value that is not finite ends the run, and so does a
-/// tick that could not be done.
-StressValue run_case(
-    const engine::Scene& scene, double seconds, const std::function<bool(const Bodies&)>& watch,
-    const std::function<double(const engine::Engine&, const Bodies& start, const Bodies& end)>& finish);
+/// number. `inputs` may be empty. What is refused is not applicable, with the reason; a value that is not finite ends
+/// the run, and so does a tick that could not be done.
+StressValue run_case(const engine::Scene& scene, double seconds, const std::function<bool(const Bodies&)>& watch,
+                     const std::function<double(const engine::Engine&, const Bodies& start, const Bodies& end)>& finish,
+                     const InputsOfTick& inputs = {});
+
+/// Widest gap of the joints after `settle` s of the run, over `size` m.
+StressValue worst_gap(const engine::Scene& scene, double seconds, double settle, double size);
+
+StressCase make_case(std::string name, std::string what, std::string unit, double lower, double upper,
+                     std::vector<StressMethod> methods);
 
 /// The largest displacement across and down of the moving bodies, relative to their bounds; 1 is the limit.
 double moved_share(const Bodies& start, const Bodies& end, double across_max, double down_max);

@@ -1,0 +1,103 @@
+// Notes on scenes: bounces of restitution 1 that lose energy, and places that f32 rounds too coarsely.
+// SPDX-License-Identifier: MIT
+#include "tool/output/scene_notes.h"
+
+#include <string>
+
+#include "engine/builtin_scenes/builtin_scenes.h"
+#include "tests/support/catch.h"
+#include "tests/support/scenes.h"
+#include "tests/support/text.h"
+
+namespace ticktrue::test {
+namespace {
+
+using verifier::scene_notes;
+
+// A ball above the ground, with these restitutions.
+Scene ball(double of_ball, double of_ground) {
+  Scene scene = empty_scene(Precision::f32);
+  scene.bodies = {ground(), body_of(disc_shape(0.5), {0, 5})};
+  scene.bodies[0].shapes[0].material.restitution = of_ground;
+  scene.bodies[1].shapes[0].material.restitution = of_ball;
+  return scene;
+}
+
+bool tells(const Scene& scene, const std::string& part) {
+  for (const std::string& note : scene_notes(scene))
+    if (contains(note, part)) return true;
+  return false;
+}
+
+}  // namespace
+
+TEST_CASE("restitution 1 is told where it loses energy", "[verifier][session][notes]") {
+  Scene scene = ball(1, 0);
+  CHECK(tells(scene, "restitution 1"));
+  CHECK(tells(scene, "\"locate_impacts\": true"));
+  scene.settings.integrator = engine::IntegratorKind::velocity_verlet;  // which locates nothing
+  CHECK(tells(scene, "restitution 1"));
+  CHECK_FALSE(tells(scene, "locate_impacts"));
+  scene = ball(1, 0);
+  scene.settings.locate_impacts = true;
+  CHECK(scene_notes(scene).empty());
+}
+
+TEST_CASE("restitution 1 is told only if a pair has it", "[verifier][session][notes]") {
+  CHECK(scene_notes(ball(0.99, 0.99)).empty());
+  Scene scene = ball(0, 1);
+  CHECK(tells(scene, "restitution 1"));
+  scene.settings.restitution_mix = engine::MixRule::minimum;
+  CHECK(scene_notes(scene).empty());
+  CHECK(scene_notes(ball(1, 1)).size() == 1);
+  scene = ball(0, 1);
+  scene.bodies[0].shapes[0].sensor = true;
+  CHECK(scene_notes(scene).empty());
+  // Two static bodies do not meet, and a single ball meets nobody.
+  scene = ball(0, 0);
+  scene.bodies.push_back(scene.bodies[0]);
+  scene.settings.restitution_mix = engine::MixRule::geometric_mean;
+  for (const std::size_t i : {0, 2}) scene.bodies[i].shapes[0].material.restitution = 1;
+  CHECK(scene_notes(scene).empty());
+}
+
+TEST_CASE("two of one prototype may meet", "[verifier][session][notes]") {
+  Scene scene = empty_scene(Precision::f32);
+  scene.settings.restitution_mix = engine::MixRule::minimum;
+  scene.bodies = {ground()};
+  scene.prototypes = {body_of(disc_shape(0.5), {})};
+  scene.prototypes[0].name = "ball";
+  scene.prototypes[0].shapes[0].material.restitution = 1;
+  scene.inputs = {engine::InputKind::spawn};
+  CHECK(tells(scene, "restitution 1"));
+}
+
+TEST_CASE("f32 far from the origin is told beyond 2^17 sizes of the smallest moving shape",
+          "[verifier][session][notes]") {
+  Scene scene = ball(0, 0);  // the disc has 1 m
+  scene.bodies[1].position.x = 0x1p17;
+  CHECK(scene_notes(scene).empty());
+  scene.bodies[1].position.x = -0x1p17 * 1.001;
+  CHECK(tells(scene, "\"precision\": \"f64\""));
+  CHECK(tells(scene, "0.016 m"));  // 2^(17 - 23)
+  scene.settings.precision = Precision::f64;
+  CHECK(scene_notes(scene).empty());
+  // A thin box counts by its thickness.
+  scene.settings.precision = Precision::f32;
+  scene.bodies[1].position.x = 2000;
+  CHECK(scene_notes(scene).empty());
+  scene.bodies[1].shapes[0] = box_shape(1, 0.005);
+  CHECK(tells(scene, "f64"));
+}
+
+TEST_CASE("no built-in scene is far out, and only elastic ones lose energy", "[verifier][session][notes]") {
+  for (const engine::BuiltinScene& builtin : engine::builtin_scenes()) {
+    const auto scene = engine::make_builtin_scene(builtin.name);
+    REQUIRE(scene.has_value());
+    CAPTURE(builtin.name);
+    const bool is_elastic = builtin.name == "billiards" || builtin.name == "gas" || builtin.name == "resting";
+    CHECK(scene_notes(*scene).empty() != is_elastic);
+  }
+}
+
+}  // namespace ticktrue::test

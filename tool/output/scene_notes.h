@@ -1,0 +1,20 @@
+// What a person should know of a scene that is valid, and does something else than it seems to ask for.
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "engine/scene/scene.h"
+
+namespace ticktrue::verifier {
+
+/// In f32, this many sizes of the smallest moving shape from the origin: a place there is rounded to a 64th of its size
+/// (24 bits of a float less 17, and the size is twice the radius).
+inline constexpr double f32_extent_max = 0x1p17;
+
+/// One line each; none for most scenes: bounces of restitution 1 that lose energy since they are not located, and
+/// positions too far from the origin for f32. Requires: a valid scene.
+std::vector<std::string> scene_notes(const engine::Scene& scene);
+
+}  // namespace ticktrue::verifier

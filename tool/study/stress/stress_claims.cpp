@@ -1,0 +1,87 @@
+// What documents claim of the stress cases: methods that are named as a cure, and where methods fall short.
+// SPDX-License-Identifier: MIT
+#include <algorithm>
+
+#include "tool/study/stress/stress_parts.h"
+
+namespace ticktrue::verifier {
+namespace {
+
+using engine::Precision;
+
+/// `cases`: how their names begin.
+struct NamedCure {
+  const char* cases;
+  const char* method;
+  const char* place;
+};
+constexpr NamedCure named_cures[]{
+    {"tower", "tgs_soft auto", "README.md"},
+    {"hanging", "tgs_soft auto", "README.md"},
+    {"top_heavy", "tgs_soft auto", "docs/study.md"},
+    {"swinging", "tgs_soft auto", "docs/study.md"},
+    {"load_force", "tgs_soft measured", "docs/scenes.md"},
+    {"load_input", "tgs_soft measured", "docs/scenes.md"},
+    {"load_ram", "tgs_soft measured", "docs/scenes.md"},
+    {"floating", "tgs_soft measured", "docs/scenes.md"},
+    {"pinned", "tgs_soft measured", "docs/scenes.md"},
+    {"direct_gain", "velocity_verlet", "docs/physics.md"},
+    {"direct_gain", "position_verlet", "docs/physics.md"},
+    {"direct_gain", "rk4", "docs/physics.md"},
+    {"direct_gain", "semi_implicit_euler", "docs/physics.md"},
+};
+
+constexpr const char* plate = "what a kinematic plate presses with is no load";
+constexpr const char* plate_measured = "a row before a kinematic plate gives way more than a stack does";
+constexpr const char* pointer = "what a pointer pulls with is no load";
+constexpr const char* pointer_measured = "a pointer of 1e4 N and more breaks through a stack";
+constexpr const char* coarse = "f32 rounds places far from the origin";
+constexpr const char* whirl = "direct joints lose light links that whirl at 50 rad/s";
+constexpr const char* drift = "half of a joint's impulse enters the drift";
+
+/// Misses from `lower` to `upper`.
+struct NamedShortfall {
+  const char* cases;
+  const char* method;
+  const char* reason;
+  double lower;
+  double upper;
+  std::optional<Precision> precision = {};
+};
+constexpr NamedShortfall named_shortfalls[]{
+    {"gain_", "velocity_verlet", drift, 0, 30},
+    {"gain_", "position_verlet", drift, 0, 30},
+    {"gain_", "rk4", drift, 0, 30},
+    {"load_pointer", "tgs_soft", pointer, 1.2, 2.1e6},
+    {"load_pointer", "tgs_soft auto", pointer, 1.2, 2.1e6},
+    {"load_pointer", "tgs_soft measured", pointer_measured, 1.2, 2.1e6},
+    {"load_pusher", "tgs_soft", plate, 1.2, 250},
+    {"load_pusher", "tgs_soft auto", plate, 1.2, 250},
+    {"load_pusher", "tgs_soft measured", plate_measured, 1.2, 3.5},
+    {"floating_bolas_50", "tgs_soft direct", whirl, 0, 16},
+    {"pinned_bolas_50", "tgs_soft direct", whirl, 0, 16},
+    {"far_", "tgs_soft", coarse, 0, 0.04, Precision::f32},
+    {"far_", "tgs_soft auto", coarse, 0, 0.0025, Precision::f32},
+    {"heap_rest_1_far_100000", "tgs_soft", coarse, 0, 0.25, Precision::f32},
+    {"heap_rest_1_far_100000", "tgs_soft auto", coarse, 0, 0.25, Precision::f32},
+    {"coincident_200", "tgs_soft", "coincident bodies burst apart", 50, 130},
+    {"coincident_200", "tgs_soft auto", "coincident bodies burst apart", 50, 215},
+};
+
+bool name_begins(const std::string& name, std::string_view start) {
+  return name.compare(0, start.size(), start) == 0;
+}
+
+}  // namespace
+
+void add_claims(std::vector<StressCase>& cases) {
+  for (StressCase& each : cases) {
+    for (const NamedCure& cure : named_cures)
+      if (name_begins(each.name, cure.cases)) each.cures.push_back({cure.method, cure.place});
+    for (const NamedShortfall& known : named_shortfalls)
+      if (name_begins(each.name, known.cases))
+        each.shortfalls.push_back({known.method, known.reason, known.lower, known.upper, known.precision});
+  }
+}
+
+}  // namespace ticktrue::verifier

@@ -1,0 +1,150 @@
+// Stress cases of loads that are not weight: forces, motors, pointers, kinematic plates, each against the same weight.
+// SPDX-License-Identifier: MIT
+#include <cmath>
+
+#include "tool/study/stress/stress_parts.h"
+#include "tool/study/worlds.h"
+
+namespace ticktrue::verifier {
+namespace {
+
+using engine::BodyType;
+using engine::Engine;
+using engine::Input;
+using engine::InputKind;
+using engine::Point;
+using engine::Precision;
+using engine::Scene;
+
+constexpr double load_seconds = 5;
+
+// A stack under a load, and what acts on it.
+struct LoadedStack {
+  Scene scene;
+  InputsOfTick inputs = {};
+  Point towards{0, -1};  // the direction of the load
+};
+
+LoadedStack by_weight(Precision precision, int count, double force) {
+  LoadedStack out{worlds::stack(precision, count)};
+  out.scene.bodies.back().mass = engine::ExplicitMass{1 + force / 10, {}, {}};
+  return out;
+}
+
+LoadedStack by_force(Precision precision, int count, double force) {
+  LoadedStack out{worlds::stack(precision, count)};
+  engine::Force element;
+  element.kind = engine::ForceKind::constant;
+  element.body = static_cast<std::uint32_t>(count);
+  element.vector = {0, -force};
+  out.scene.forces.push_back(element);
+  return out;
+}
+
+LoadedStack by_input(Precision precision, int count, double force) {
+  LoadedStack out{worlds::stack(precision, count)};
+  out.scene.inputs = {InputKind::force};
+  Input push;
+  push.kind = InputKind::force;
+  push.body = static_cast<std::uint32_t>(count);
+  push.values = {0, -force};
+  out.inputs = [push](std::uint64_t) { return std::vector<Input>{push}; };
+  return out;
+}
+
+// A motor drives the uppermost box down from a peg above it.
+LoadedStack by_ram(Precision precision, int count, double force) {
+  LoadedStack out{worlds::stack(precision, count)};
+  const auto top = static_cast<std::uint32_t>(count);
+  out.scene.bodies.push_back(worlds::peg({0, count + 20.0}));
+  engine::Joint ram = worlds::joint(engine::JointKind::prismatic, top + 1, top, {0, -20.5});
+  ram.axis = {0, -1};
+  ram.motor = engine::JointMotor{10, force};
+  out.scene.joints.push_back(ram);
+  return out;
+}
+
+// A pointer holds the uppermost box (1 kg) and is drawn far below the ground: it pulls as hard as it may.
+LoadedStack by_pointer(Precision precision, int count, double force) {
+  LoadedStack out{worlds::stack(precision, count)};
+  out.scene.inputs = {InputKind::press, InputKind::drag, InputKind::release};
+  out.scene.pointer.emplace();
+  out.scene.pointer->force_max_per_kg = force;
+  const double top = count - 0.5;
+  out.inputs = [top](std::uint64_t tick) {
+    Input input;
+    input.kind = tick == 0 ? InputKind::press : InputKind::drag;
+    input.values = {0, tick == 0 ? top : -1e4};
+    return std::vector<Input>{input};
+  };
+  return out;
+}
+
+// A kinematic plate pushes a row of boxes along at 1 m/s, without gravity; drag holds the foremost one back.
+LoadedStack by_pusher(Precision precision, int count, double force) {
+  LoadedStack out{worlds::empty(precision)};
+  out.towards = {-1, 0};
+  out.scene.name = "row";
+  out.scene.gravity = {0, 0};
+  out.scene.bodies.push_back(worlds::body(worlds::box(0.5, 100), {-0.5, 0}, BodyType::kinematic_body));
+  for (int i = 0; i < count; ++i) out.scene.bodies.push_back(worlds::body(worlds::box(0.5, 0.5), {i + 0.5, 0}));
+  for (engine::Body& body : out.scene.bodies) body.velocity = {1, 0};
+  engine::Force drag;
+  drag.kind = engine::ForceKind::linear_drag;
+  drag.body = static_cast<std::uint32_t>(count);
+  drag.coefficient = force;
+  out.scene.forces.push_back(drag);
+  return out;
+}
+
+// How much nearer the farthest box has come to what carries it, m.
+StressValue squeeze(LoadedStack loaded, const StressMethod& method, int count) {
+  const Point towards = loaded.towards;
+  const auto top = static_cast<std::size_t>(count);
+  return run_case(
+      with_method(std::move(loaded.scene), method), load_seconds, {},
+      [towards, top](const Engine&, const Bodies& start, const Bodies& end) {
+        const auto way = [&](std::size_t i) {
+          return towards.x * (end[i].center.x - start[i].center.x) + towards.y * (end[i].center.y - start[i].center.y);
+        };
+        return way(top) - way(0);
+      },
+      loaded.inputs);
+}
+
+struct Load {
+  const char* name;
+  const char* what;
+  LoadedStack (*make)(Precision precision, int count, double force);
+};
+constexpr Load loads[]{
+    {"force", "by a force element", by_force},
+    {"input", "by an input force", by_input},
+    {"ram", "by a motor", by_ram},
+    {"pointer", "by a pointer", by_pointer},
+    {"pusher", "between a kinematic plate and drag", by_pusher},
+};
+
+}  // namespace
+
+void add_load_cases(std::vector<StressCase>& cases) {
+  for (const Load& load : loads)
+    for (const int count : {5, 10, 20})
+      for (const double force : {1e2, 1e3, 1e4, 1e5}) {
+        StressCase c =
+            make_case(std::string("load_") + load.name + "_" + std::to_string(count) + "_" + plain_number(force),
+                      std::to_string(count) + " boxes of 1 m and 1 kg pressed " + load.what + " of " +
+                          plain_number(force) + " N, " + plain_number(load_seconds) +
+                          " s: squeeze over that by the same weight with automatic substeps",
+                      "of 1", -HUGE_VAL, 1.2, load_methods());
+        c.run = [&load, count, force](const StressMethod& method, Precision precision) {
+          const StressValue weight = squeeze(by_weight(precision, count, force), contact_methods()[1], count);
+          StressValue value = squeeze(load.make(precision, count, force), method, count);
+          value.value /= weight.value;
+          return value;
+        };
+        cases.push_back(std::move(c));
+      }
+}
+
+}  // namespace ticktrue::verifier
