@@ -358,7 +358,8 @@ def change(path):
 
 
 def files_of_game(work):
-    folder = quickstart.folder
+    """What a reader of docs/quickstart.md has in the end."""
+    folder = work / "quickstart"
     return {"units.h": folder / "units.h", "game.cpp": folder / "game.cpp", "columns.inc": folder / "columns.inc",
             "traces/session_1.ttr": folder / "game.ttr"}
 

@@ -1,5 +1,7 @@
-// The functions of SDL2 that the window calls, taken from a libSDL2 that is found when the window opens. The packaged
-// tool has this file in place of the library, so that it starts on machines without SDL2. SPDX-License-Identifier: MIT
+// The functions of SDL2 that the window calls, from a libSDL2 that is found when the window opens.
+// SPDX-License-Identifier: MIT
+//
+// The packaged tool has this file in place of the library, so that it starts on machines without SDL2.
 #include <SDL2/SDL.h>
 #include <dlfcn.h>
 
