@@ -182,6 +182,7 @@ source_archive() {
 # windows_archive TREE: the zip of an install tree of the MinGW build: bin/ (tool, libticktrue.dll), lib/ (import library,
 # CMake package), include/. Whoever builds for Windows calls this with it; papers and licences are added here.
 windows_archive() {
+  command -v zip >/dev/null || fail "found no zip" "apt-get install zip"
   [ -n "$(find "$1" -name '*.dll' -print -quit)" ] || fail "$1: found no .dll, expected an install tree" "cmake --install"
   name=ticktrue-$version-windows-x86_64
   cp -r "$1" "$work/$name" || exit 1
@@ -194,8 +195,8 @@ windows_archive() {
   chmod -R u=rwX,go=rX "$work/$name"
   find "$work/$name" -exec touch -h -d "@$SOURCE_DATE_EPOCH" {} +
   rm -f "$out/$name.zip"
-  (cd "$work" && find "$name" -type f | sort >zip_list && cmake -E tar cf "$out/$name.zip" --format=zip \
-    --mtime="$(date -u -d "@$SOURCE_DATE_EPOCH" '+%Y-%m-%d %H:%M:%S UTC')" --files-from=zip_list) || exit 1
+  # -X: without owners and times of access, which differ from run to run.
+  (cd "$work" && find "$name" -type f | sort | zip -q -X -D "-$level" -@ "$out/$name.zip") || exit 1
 }
 
 rm -f "$out"/ticktrue[-_]* "$out/SHA256SUMS"

@@ -18,10 +18,14 @@ state=$folder/apt
 mkdir -p "$state/lists/partial" "$state/cache/archives/partial"
 key=/usr/share/keyrings/debian-archive-keyring.gpg
 [ -r "$key" ] && signed="[signed-by=$key] " || signed=
-# shellcheck disable=SC2016 # apt's own fields
-apt-get indextargets --format '$(ORIGIN) $(REPO_URI) $(RELEASE) $(COMPONENT)' 'Created-By: Packages' |
-  awk -v signed="$signed" '$1 == "Debian" && NF == 4 { print "deb-src " signed $2, $3, $4 }' | sort -u >"$state/sources.list"
-[ -s "$state/sources.list" ] || fail "found no list of Debian packages" "run apt-get update first"
+list_sources() {
+  # shellcheck disable=SC2016 # apt's own fields
+  apt-get indextargets --format '$(ORIGIN) $(REPO_URI) $(RELEASE) $(COMPONENT)' 'Created-By: Packages' |
+    awk -v signed="$signed" '$1 == "Debian" && NF == 4 { print "deb-src " signed $2, $3, $4 }' | sort -u >"$state/sources.list"
+  [ -s "$state/sources.list" ]
+}
+# A new machine has no lists yet.
+list_sources || { apt-get -qq update; list_sources; } || fail "found no list of Debian packages" "run apt-get update as root"
 cat >"$state/conf" <<CONF
 Dir::Etc::sourcelist "$state/sources.list";
 Dir::Etc::sourceparts "/dev/null";
