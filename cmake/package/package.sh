@@ -77,9 +77,9 @@ add_papers() {
 }
 
 # What is linked into the programs, as packages of Debian: those of the library first.
-in_library='libzstd-dev libxxhash-dev libstdc++-12-dev'
+in_library='libzstd-dev libxxhash-dev nlohmann-json3-dev libstdc++-12-dev'
 in_tool='libbox2d-dev libmuparser-dev libfmt-dev libdw-dev libelf-dev zlib1g-dev liblzma-dev libbz2-dev libcli11-dev
-nlohmann-json3-dev libstb-dev'
+libstb-dev'
 
 # add_licences FOLDER
 add_licences() {
