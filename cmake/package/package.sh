@@ -32,6 +32,7 @@ while [ $# -gt 0 ]; do
 done
 build=$(cd "$build" && pwd) || exit 2
 mkdir -p "$out" && out=$(cd "$out" && pwd) || exit 2
+[ -z "$windows" ] || windows=$(cd "$windows" && pwd) || exit 2
 version=$(sed -n 's/^CMAKE_PROJECT_VERSION:STATIC=//p' "$build/CMakeCache.txt")
 [ -n "$version" ] || fail "$build: found no version in CMakeCache.txt" "./dev build"
 for file in ticktrue libticktrue.a "libticktrue.so.$version"; do
