@@ -23,14 +23,21 @@ install(FILES ${PROJECT_SOURCE_DIR}/include/ticktrue/math.h DESTINATION ${CMAKE_
 install(EXPORT ticktrue-targets NAMESPACE ticktrue:: DESTINATION ${ticktrue_package} COMPONENT sdk)
 configure_package_config_file(${CMAKE_CURRENT_LIST_DIR}/ticktrue-config.cmake.in
   ${CMAKE_BINARY_DIR}/package/ticktrue-config.cmake INSTALL_DESTINATION ${ticktrue_package})
-write_basic_package_version_file(${CMAKE_BINARY_DIR}/package/ticktrue-config-version.cmake COMPATIBILITY SameMinorVersion)
+write_basic_package_version_file(${CMAKE_BINARY_DIR}/package/ticktrue-config-version.cmake COMPATIBILITY SameMajorVersion)
 install(FILES ${CMAKE_BINARY_DIR}/package/ticktrue-config.cmake ${CMAKE_BINARY_DIR}/package/ticktrue-config-version.cmake
   ${CMAKE_CURRENT_LIST_DIR}/float_flags.cmake ${CMAKE_CURRENT_LIST_DIR}/ticktrue_trace_test.cmake
   DESTINATION ${ticktrue_package} COMPONENT sdk)
 file(RELATIVE_PATH ticktrue_pc_to_prefix /prefix/${CMAKE_INSTALL_LIBDIR}/pkgconfig /prefix)
 ticktrue_float_flags(ticktrue_pc_float_flags ${CMAKE_CXX_COMPILER_ID})
 list(JOIN ticktrue_pc_float_flags " " ticktrue_pc_float_flags)
-foreach(module ticktrue ticktrue-determinism)
+if(ZSTD_LIBRARY)
+  set(ticktrue_pc_zstd "-lzstd ")
+endif()
+set(ticktrue_pc_modules ticktrue ticktrue-determinism)
+if(TARGET ticktrue_c_static)
+  list(APPEND ticktrue_pc_modules ticktrue-static)
+endif()
+foreach(module ${ticktrue_pc_modules})
   configure_file(${CMAKE_CURRENT_LIST_DIR}/${module}.pc.in ${CMAKE_BINARY_DIR}/package/${module}.pc @ONLY)
   install(FILES ${CMAKE_BINARY_DIR}/package/${module}.pc DESTINATION ${CMAKE_INSTALL_LIBDIR}/pkgconfig COMPONENT sdk)
 endforeach()

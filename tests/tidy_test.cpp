@@ -143,7 +143,7 @@ constexpr HeaderBan header_bans[] = {
     {"", "CLI/", "tool/,bench/", "an options struct, filled by the subcommand"},
     {"", "benchmark/", "bench/", "bench/"},
     {"", "muParser.h", "tool/expression/expression.cpp", "tool/expression/expression.h"},
-    {"", "SDL2/", "tool/play/window/window.cpp", "tool/play/window/host.h"},
+    {"", "SDL2/", "tool/play/window/window.cpp,tool/play/window/sdl2_loader.cpp", "tool/play/window/host.h"},
     {"", "elfutils/", "tool/debug_info/dwarf_types.cpp", "tool/debug_info/program_types.h"},
 };
 

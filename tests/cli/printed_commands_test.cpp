@@ -146,7 +146,7 @@ class Collector {
   }
 
   void read_steps(std::size_t first, const std::vector<std::string>& lines) {
-    static const std::regex step(R"( *- run: (?:build/)?(ticktrue .*))");
+    static const std::regex step(R"( *- run: (?:\S*/bin/)?(ticktrue .*))");
     static const std::regex part_of_matrix(R"(\$\{\{ matrix\.shard \}\})");
     std::smatch found;
     for (std::size_t i = 0; i < lines.size(); ++i)
@@ -200,7 +200,7 @@ std::vector<PrintedCommand> printed_commands() {
   for (const fs::directory_entry& entry : fs::recursive_directory_iterator(tree / "docs"))
     if (entry.path().extension() == ".md") documents.insert(fs::relative(entry.path(), tree).generic_string());
   for (const std::string& document : documents) collector.read_markdown(document);
-  collector.read_workflow("docs/ci.yml");
+  for (const char* workflow : {"docs/ci.yml", "docs/ci_engine.yml"}) collector.read_workflow(workflow);
   return std::move(collector.commands);
 }
 
@@ -440,7 +440,7 @@ TEST_CASE("the search for printed commands finds each way in which they are prin
   };
   CHECK(is_there("README.md", "./mygame --verify game.ttr", How::run));
   CHECK(is_there("README.md", "ticktrue reduce F.ttr", How::parse));
-  CHECK(is_there("docs/ci.yml", "ticktrue golden check traces", How::run));
+  CHECK(is_there("docs/ci_engine.yml", "ticktrue golden check traces --plugin ./engine.so", How::run));
   CHECK(is_there("docs/cli.md", "ticktrue env --check --json", How::run));
   CHECK(is_there("docs/scale.md", "ticktrue verify traces -j 2", How::run));
   CHECK(missing_line({"a 1", "...", "c"}, "a 1\nb\nc\n") == std::nullopt);

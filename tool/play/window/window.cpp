@@ -1,4 +1,4 @@
-// A window with SDL2: shows pictures and collects events. The only file that includes SDL.
+// A window with SDL2: shows pictures and collects events. This file and sdl2_loader.cpp alone include SDL.
 // SPDX-License-Identifier: MIT
 #include <SDL2/SDL.h>
 
