@@ -113,7 +113,7 @@ Status OutputFile::set_aside(bool overwrite) {
   if (old_descriptor_ >= 0) close_file(std::exchange(old_descriptor_, -1));  // an open file cannot be renamed there
 #endif
   fs::rename(path_, aside, failure);
-  if (failure) return io_error(path_, "cannot set aside as " + aside, failure.value());
+  if (failure) return io_error(path_, "cannot set aside as " + aside, failure);
   old_path_ = aside;
   return {};
 }

@@ -2,11 +2,15 @@
 // SPDX-License-Identifier: MIT
 #include "verifier/runs/data_file.h"
 
+#include <fcntl.h>
+
 #include <cerrno>
 #include <cstring>
 #include <filesystem>
 #include <system_error>
 #include <utility>
+
+#include "replay/file/file_calls.h"
 
 namespace ticktrue::verifier {
 namespace {
@@ -65,13 +69,14 @@ Result<DataFile> DataFile::create(const std::string& path, bool overwrite) {
   if (fs::is_symlink(fs::symlink_status(path, code)) && fs::is_regular_file(status))
     file.path_ = fs::canonical(path, code).string();
   file.new_path_ = file.path_;
-  const char* mode = "wbx";  // x: fails if the file exists by now
+  int flags = O_EXCL;  // fails if the file exists by now
   if (fs::exists(status)) {
-    mode = "wb";
+    flags = O_TRUNC;
     file.removable_ = fs::is_regular_file(status);
     if (file.removable_) file.new_path_ = file.path_ + ".ticktrue-new";
   }
-  file.file_ = std::fopen(file.new_path_.c_str(), mode);
+  const int descriptor = replay::open_file(file.new_path_, O_WRONLY | O_CREAT | flags);
+  if (descriptor >= 0) file.file_ = ::fdopen(descriptor, "wb");
   if (file.file_ == nullptr) {
     const int error_number = errno;
     file.removable_ = false;
@@ -91,7 +96,12 @@ DataFile::DataFile(DataFile&& other) noexcept
 DataFile::~DataFile() {
   if (file_ == nullptr) return;
   std::fclose(file_);
-  if (removable_) std::remove(new_path_.c_str());
+  remove_new();
+}
+
+void DataFile::remove_new() const {
+  std::error_code ignored;
+  if (removable_) std::filesystem::remove(new_path_, ignored);
 }
 
 Error DataFile::failure(int error_number) const {
@@ -110,15 +120,15 @@ Status DataFile::close() {
   std::FILE* closing = std::exchange(file_, nullptr);
   if (std::fclose(closing) != 0) {
     const int error_number = errno;
-    if (removable_) std::remove(new_path_.c_str());
+    remove_new();
     return failure(error_number);
   }
-  if (new_path_ != path_ && std::rename(new_path_.c_str(), path_.c_str()) != 0) {
-    const int error_number = errno;
-    std::remove(new_path_.c_str());
-    return failure(error_number);
-  }
-  return {};
+  if (new_path_ == path_) return {};
+  std::error_code code;
+  std::filesystem::rename(new_path_, path_, code);
+  if (!code) return {};
+  remove_new();
+  return failure(code.default_error_condition().value());
 }
 
 }  // namespace ticktrue::verifier
