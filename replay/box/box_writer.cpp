@@ -46,7 +46,7 @@ void BoxWriter::store(std::size_t offset, std::uint64_t value, std::size_t size)
 Status BoxWriter::make_place() {
   if (const Status status = check_output(path_); !status) return status;
   std::error_code failure;
-  if (!fs::exists(path_, failure)) return {};
+  if (!fs::exists(system_path(path_), failure)) return {};
   Result<InputFile> old = InputFile::open(path_);
   if (!old) return old.error();
   Bytes head;
@@ -56,9 +56,9 @@ Status BoxWriter::make_place() {
   const bool is_closed = ByteReader(ByteView(head).subspan(box_state_offset)).u32() == 1;
   const std::string aside = with_ending(path_, ".crashed");
   if (is_closed)
-    fs::remove(path_, failure);
+    fs::remove(system_path(path_), failure);
   else
-    fs::rename(path_, aside, failure);
+    fs::rename(system_path(path_), system_path(aside), failure);
   if (failure) return io_error(path_, "cannot be set aside", failure);
   if (!is_closed) note_ = "the box of a session that did not end is " + aside;
   return {};
@@ -76,14 +76,14 @@ Status BoxWriter::create(ByteView head) {
   // Under another name until it is whole.
   const std::string fresh = with_ending(path_, ".new");
   std::error_code failure;
-  fs::remove(fresh, failure);
+  fs::remove(system_path(fresh), failure);
   Result<MappedFile> file = MappedFile::create(fresh, layout_.file_size());
   if (!file) return file.error();
   ByteWriter header;
   encode_box_header(layout_, header);
   std::memcpy(file->data(), header.view().data(), header.size());
   std::memcpy(file->data() + box_page_size, head.data(), head.size());
-  fs::rename(fresh, path_, failure);
+  fs::rename(system_path(fresh), system_path(path_), failure);
   if (failure) return io_error(path_, "cannot create", failure);
   file_.emplace(std::move(*file));
   return {};

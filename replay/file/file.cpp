@@ -16,7 +16,7 @@ namespace ticktrue::replay {
 
 Result<InputFile> InputFile::open(const std::string& path) {
   std::error_code failure;
-  const std::filesystem::file_status status = std::filesystem::status(path, failure);
+  const std::filesystem::file_status status = std::filesystem::status(system_path(path), failure);
   if (!std::filesystem::exists(status)) {
     if (!failure) return io_error(path, "cannot open", ENOENT);
     return io_error(path, "cannot open", failure);

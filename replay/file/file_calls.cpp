@@ -65,6 +65,10 @@ std::string utf8_path(const std::string& path) {
   return wide ? encode_utf8(*wide) : path;
 }
 
+std::filesystem::path system_path(const std::string& path) {
+  return decode(path, CP_UTF8).value_or(L"");
+}
+
 int open_file(const std::string& path, int flags) {
   const std::optional<std::wstring> wide = decode(path, CP_UTF8);
   if (!wide) {
@@ -100,6 +104,9 @@ int close_file(int descriptor) {
 }
 #else
 std::string utf8_path(const std::string& path) {
+  return path;
+}
+std::filesystem::path system_path(const std::string& path) {
   return path;
 }
 int open_file(const std::string& path, int flags) {

@@ -4,6 +4,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <filesystem>
 #include <optional>
 #include <string>
 #include <system_error>
@@ -18,6 +19,9 @@ inline constexpr std::size_t transfer_size_max = 64u << 20;
 /// The path as UTF-8. On Windows, a path that is no UTF-8 is read in the code page of the process: the arguments of a C
 /// program come so. Elsewhere: the same bytes.
 std::string utf8_path(const std::string& path);
+
+/// A path of UTF-8 for std::filesystem, which on Windows reads narrow text byte by byte.
+std::filesystem::path system_path(const std::string& path);
 
 /// -1: see errno. Flags are those of open(2). On every system the path is UTF-8 and no line end is changed.
 int open_file(const std::string& path, int flags);

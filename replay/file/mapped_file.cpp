@@ -51,7 +51,7 @@ Result<MappedFile> MappedFile::create(const std::string& path, std::uint64_t siz
   if (file.descriptor_ < 0) return io_error(path, "cannot create", errno);
   const auto give_up = [&](const char* action, int code) {
     std::error_code ignored;
-    std::filesystem::remove(path, ignored);
+    std::filesystem::remove(system_path(path), ignored);
     return io_error(path, action, code);
   };
   if (const int code = reserve(file.descriptor_, size); code != 0)
@@ -81,7 +81,7 @@ Result<MappedFile> MappedFile::create(const std::string& path, std::uint64_t siz
     const std::error_code code(static_cast<int>(::GetLastError()), std::system_category());
     close_file(std::exchange(file.descriptor_, -1));  // an open file cannot be removed there
     std::error_code ignored;
-    std::filesystem::remove(path, ignored);
+    std::filesystem::remove(system_path(path), ignored);
     return io_error(path, action, code);
   };
   // A section as large as asked: the file grows to it, and its pages are reserved.

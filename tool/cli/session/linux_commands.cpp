@@ -12,7 +12,7 @@ namespace {
 void add_stand_in(CLI::App& app, CliContext& context, const std::string& name, const char* group,
                   const std::string& description) {
   CLI::App* command = app.add_subcommand(name, description + " (runs on Linux)")->group(group);
-  command->prefix_command();  // whatever its options are
+  command->allow_extras()->allow_windows_style_options(false);  // whatever its words are
   command->callback([&context, name] {
     context.exit_code = fail_usage(
         Error{ErrorCode::unsupported, name + ": runs on Linux: found a build for " + build_info().target,
