@@ -8,10 +8,12 @@
 #include <limits>
 #include <utility>
 
+#include "base/compiler/compiler.h"
 #include "base/limits.h"
 #include "base/plain_text.h"
 #include "capi/call_values.h"
 #include "capi/marks/shake_page.h"
+#include "replay/file/file_calls.h"
 #include "replay/format/chunk.h"
 #include "verifier/report/exit_codes.h"
 
@@ -79,7 +81,7 @@ void Session::take_calls() {
 /// From any thread: calls of others than that of the tick have no order.
 void Session::take_call(void* session, const char* name, std::uint64_t value, const void* caller) {
   auto& of_tick = *static_cast<Session*>(session);
-  if (__atomic_load_n(&of_tick.tick_thread_, __ATOMIC_RELAXED) != own_thread()) return;
+  if (compiler::load_relaxed(of_tick.tick_thread_) != own_thread()) return;
   try {
     if (!of_tick.mark_quickly(name, value)) of_tick.mark(name, value, caller);
   } catch (...) {
@@ -97,7 +99,7 @@ Status Session::check_options(const ticktrue_options& options) {
   if (is_live_ && has_path)
     return usage("options: path: found a file name in a live session",
                  "TICKTRUE_RECORD records a live game, and takes the same calls");
-  if (has_path) path_ = options.path;
+  if (has_path) path_ = replay::utf8_path(options.path);
   identity_.name = std::string(text_of(options.name));
   if (const Status status = check_name("options: simulation", identity_.name); !status) return status;
   if (identity_.name.compare(0, 9, "ticktrue.") == 0)
@@ -464,7 +466,7 @@ int Session::begin_tick(double* dt) {
   stage_hashes_.clear();
   phase_ = Phase::inside;
   marks_.begin_tick(mark_detail());
-  __atomic_store_n(&tick_thread_, own_thread(), __ATOMIC_RELAXED);
+  compiler::store_relaxed(tick_thread_, own_thread());
   return is_recording() ? write_notes() : TICKTRUE_OK;
 }
 
@@ -507,7 +509,7 @@ int Session::end_tick() {
                        "every stage is said to be done in every tick, also where it has no work");
   if (const Status status = state_.gather(); !status) return fail(status.error());
   phase_ = Phase::between;
-  __atomic_store_n(&tick_thread_, nullptr, __ATOMIC_RELAXED);
+  compiler::store_relaxed<const void*>(tick_thread_, nullptr);
   inputs_taken_ = 0;
   const std::uint64_t tick = tick_++;
   BoundContents bound = marks_.take();

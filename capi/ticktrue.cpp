@@ -14,6 +14,7 @@
 #include <string>
 
 #include "base/build_info.h"
+#include "base/compiler/compiler.h"
 #include "base/plain_text.h"
 #include "capi/marks/shake_page.h"
 #include "capi/session.h"
@@ -30,12 +31,6 @@ struct ticktrue_session {
 };
 
 namespace {
-
-#if defined(__GNUC__) || defined(__clang__)
-#define TICKTRUE_CALLER __builtin_return_address(0)
-#else
-#define TICKTRUE_CALLER nullptr
-#endif
 
 constexpr const char* no_memory = "memory: the system refused to give more";
 /// Returned if a session does not fit into memory; never freed.
@@ -155,10 +150,7 @@ int read_run_word(const char* word, const char* value, ticktrue_options& options
 constexpr std::uint32_t box_kib_default = 32u << 10;
 
 /// Apart, so that its frame costs nothing where it is not called.
-#if defined(__GNUC__) || defined(__clang__)
-__attribute__((noinline))
-#endif
-int mark(ticktrue_session* session, const char* name, uint64_t value, const void* caller) {
+TICKTRUE_NO_INLINE int mark(ticktrue_session* session, const char* name, uint64_t value, const void* caller) {
   return without_exceptions(session, [&](Session& s) { return s.mark(name, value, caller); });
 }
 
@@ -311,7 +303,7 @@ int ticktrue_mark(ticktrue_session* session, const char* name, uint64_t value) {
   // Thousands of marks a tick: most of them end here.
   if (session != nullptr && session->session != nullptr && session->session->mark_quickly(name, value))
     return TICKTRUE_OK;
-  return mark(session, name, value, TICKTRUE_CALLER);
+  return mark(session, name, value, TICKTRUE_RETURN_ADDRESS());
 }
 int ticktrue_note(ticktrue_session* session, const char* topic, const char* text) {
   return without_exceptions(session, [&](Session& s) { return s.note(topic, text); });

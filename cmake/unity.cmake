@@ -2,9 +2,16 @@
 # of the time of a first build: all of a target at once, or CMAKE_UNITY_BUILD_BATCH_SIZE of them.
 if(TICKTRUE_UNITY)
   target_compile_options(ticktrue_warnings INTERFACE -Wno-shadow)  # local names of one file beside those of another
+  set(apart)
+  if(CMAKE_UNITY_BUILD_BATCH_SIZE EQUAL 0)
+    set(apart tool/report_page/report_page.cpp tool/study/stress/stress_contacts.cpp)
+  endif()
+  if(WIN32)
+    list(APPEND apart tool/output/progress.cpp)  # `near` and `far` are macros of windows.h
+  endif()
   # Their local names collide with those of another file. tests/platforms/one.sh builds file by file where this list
   # misses one.
-  foreach(source
+  foreach(source ${apart}
       verifier/report/exit_codes.cpp
       verifier/report/fact_differences.cpp
       verifier/report/likely_causes.cpp

@@ -161,6 +161,7 @@ constexpr std::string_view before_islands = "base,base/parallel,engine/math,engi
 constexpr std::string_view all_but_tests = "*";
 constexpr Room rooms[] = {
     {"base", ""},
+    {"base/compiler", ""},
     {"base/state", "base"},
     {"base/parallel", "base"},
     {"engine/math", "base"},
@@ -193,13 +194,13 @@ constexpr Room rooms[] = {
     {"replay/format", "base,base/state"},
     {"replay/file", "base"},
     {"replay", "base,base/state,replay/format,replay/file,replay/box"},
-    {"replay/box", "base,base/state,replay,replay/format,replay/file"},
+    {"replay/box", "base,base/compiler,base/state,replay,replay/format,replay/file"},
     {"include", ""},
     {"include/ticktrue", ""},
-    {"verifier/report", "base,base/state,replay/format"},
+    {"verifier/report", "base,base/compiler,base/state,replay/format"},
     {"verifier/locate", "base,base/state,replay/format,verifier/report"},
     {"verifier/verify", "base,base/state,base/parallel,replay,replay/format,verifier/report,verifier/locate"},
-    {"verifier/runs", "base,verifier/report"},
+    {"verifier/runs", "base,replay/file,verifier/report"},
     {"verifier/compare",
      "base,base/state,replay,replay/format,verifier/report,verifier/locate,verifier/verify,verifier/runs"},
     {"verifier/inject", "base,base/state,base/parallel,replay,verifier/report,verifier/verify"},
@@ -209,10 +210,11 @@ constexpr Room rooms[] = {
     {"verifier/programs", "base,base/state,replay,replay/format,shim,verifier/report,verifier/runs,verifier/verify"},
     {"shim", ""},
     {"capi/peers", "base,base/state,replay/format,verifier/report,verifier/locate"},
-    {"capi/marks", "base,replay/format,shim"},
-    {"capi/unsaved", "base,base/state,shim,capi/marks"},
+    {"capi/marks", "base,base/compiler,replay/format,shim"},
+    {"capi/unsaved", "base,base/compiler,base/state,shim,capi/marks"},
     {"capi",
-     "base,base/state,replay,replay/format,replay/box,include,shim,verifier/report,verifier/locate,verifier/"
+     "base,base/compiler,base/state,replay,replay/format,replay/file,replay/box,include,shim,verifier/report,verifier/"
+     "locate,verifier/"
      "verify,capi/marks,"
      "capi/peers,capi/unsaved"},
     {"tool", "tool/cli"},
@@ -390,6 +392,21 @@ void check_marks(const SourceFile& file, std::string_view line, std::size_t numb
   }
 }
 
+// What libticktrue is built from, and where words of one compiler may stand in it: the header for all compilers, and
+// the units whose words choose the instructions of kernels.
+constexpr std::string_view library_sources = "base/,replay/,capi/,verifier/report/,verifier/locate/,verifier/verify/";
+constexpr std::string_view compiler_words_in =
+    "base/compiler/compiler.h,base/bytes.h,base/hash.cpp,base/row_kernels.cpp,base/parallel/workers.cpp";
+constexpr std::array<std::string_view, 9> compiler_words{"__builtin_", "__attribute__", "__asm",
+                                                         "__declspec", "__atomic_",     "__sync_",
+                                                         "__int128",   "_Interlocked",  "_ReturnAddress"};
+
+void check_compiler_words(const SourceFile& file, std::string_view line, std::size_t number, Findings& findings) {
+  if (!is_under(file.path, library_sources) || is_under(file.path, compiler_words_in)) return;
+  for (const std::string_view word : compiler_words)
+    if (contains(line, word)) report(findings, file, number, word, "base/compiler/compiler.h (MSVC has other words)");
+}
+
 Findings check_file(const SourceFile& file) {
   Findings findings;
   const std::vector<std::string> lines = lines_of(file.text);
@@ -405,6 +422,7 @@ Findings check_file(const SourceFile& file) {
     const bool has_total_order = i > 0 && contains(lines[i - 1], "// total order: ");
     if (!has_total_order || !contains(code[i], "std::sort")) check_names(file, code[i], i + 1, findings);
     if (starts_with(file.path, "engine/")) check_pointer_keys(file, code[i], i + 1, findings);
+    check_compiler_words(file, code[i], i + 1, findings);
   }
   return findings;
 }
@@ -739,6 +757,18 @@ TEST_CASE("pointers as keys fire", "[tidy][self]") {
     CHECK(findings_in("engine/sample.cpp", code).size() == 1);
   }
   CHECK(findings_in("engine/sample.cpp", "std::map<std::pair<int, int>, Body*> m;").empty());
+}
+
+TEST_CASE("words of one compiler fire in the library, but not in the header for them", "[tidy][self]") {
+  for (const std::string_view word : compiler_words) {
+    const std::string code = "x = " + std::string(word) + "y(z);";
+    CAPTURE(code);
+    CHECK(findings_in("capi/x.cpp", code).size() == 1);
+    CHECK(findings_in("verifier/report/x.cpp", code).size() == 1);
+    CHECK(findings_in("base/compiler/compiler.h", code).empty());
+    CHECK(findings_in("verifier/runs/x.cpp", code).empty());
+    CHECK(findings_in("engine/x.cpp", code).empty());
+  }
 }
 
 TEST_CASE("using namespace fires in headers only", "[tidy][self]") {

@@ -6,6 +6,7 @@
 #include <cstdlib>
 #include <sstream>
 
+#include "base/compiler/compiler.h"
 #include "replay/format/mark_log.h"
 
 #ifdef __linux__
@@ -19,10 +20,9 @@
 #include "shim/page.h"
 
 /// Of the preload library, where it is loaded. 0: the library is entered, 1: it is left, 2: it is left into a tick.
-extern "C" __attribute__((weak)) void ticktrue_shim_library(int way);
+extern "C" TICKTRUE_WEAK void ticktrue_shim_library(int way);
 /// The same: calls of these groups go to the sink.
-extern "C" __attribute__((weak)) void ticktrue_shim_calls(ticktrue::shim::CallSink sink, void* with,
-                                                          std::uint32_t groups);
+extern "C" TICKTRUE_WEAK void ticktrue_shim_calls(ticktrue::shim::CallSink sink, void* with, std::uint32_t groups);
 #endif
 
 namespace ticktrue::capi {
@@ -58,7 +58,7 @@ shim::SessionPart* page() {
 }
 
 void tell_position(std::uint64_t position) {
-  if (shim::SessionPart* shared = page()) __atomic_store_n(&shared->position, position, __ATOMIC_RELAXED);
+  if (shim::SessionPart* shared = page()) compiler::store_relaxed(shared->position, position);
 }
 
 }  // namespace
@@ -67,22 +67,22 @@ InLibrary::InLibrary() {
   shim::SessionPart* shared = page();
   if (shared == nullptr) return;
   const auto thread = static_cast<std::int32_t>(::syscall(SYS_gettid));
-  if (__atomic_load_n(&shared->library_thread, __ATOMIC_RELAXED) == thread) return;
+  if (compiler::load_relaxed(shared->library_thread) == thread) return;
   is_outermost_ = true;
   outermost = this;
-  __atomic_store_n(&shared->library_thread, thread, __ATOMIC_RELAXED);
+  compiler::store_relaxed(shared->library_thread, thread);
   if (ticktrue_shim_library != nullptr) ticktrue_shim_library(way_in);
 }
 
 InLibrary::~InLibrary() {
   if (!is_outermost_) return;
-  __atomic_store_n(&page()->library_thread, 0, __ATOMIC_RELAXED);
+  compiler::store_relaxed(page()->library_thread, 0);
   if (ticktrue_shim_library != nullptr) ticktrue_shim_library(leaves_into_tick ? way_into_tick : way_out);
   leaves_into_tick = false;
 }
 
 OutOfLibrary::OutOfLibrary() : frame_(outermost) {
-  if (shim::SessionPart* shared = page()) __atomic_store_n(&shared->library_thread, 0, __ATOMIC_RELAXED);
+  if (shim::SessionPart* shared = page()) compiler::store_relaxed(shared->library_thread, 0);
 }
 
 OutOfLibrary::~OutOfLibrary() {
@@ -96,7 +96,7 @@ const void* library_frame() {
 
 void enter_library_again() {
   if (shim::SessionPart* shared = page())
-    __atomic_store_n(&shared->library_thread, static_cast<std::int32_t>(::syscall(SYS_gettid)), __ATOMIC_RELAXED);
+    compiler::store_relaxed(shared->library_thread, static_cast<std::int32_t>(::syscall(SYS_gettid)));
 }
 
 void append_mapped() {
@@ -123,7 +123,7 @@ void append_mapped() {
 
 void tell_session() {
   if (shim::SessionPart* shared = page())
-    __atomic_store_n(&shared->session_process, static_cast<std::int32_t>(::getpid()), __ATOMIC_RELAXED);
+    compiler::store_relaxed(shared->session_process, static_cast<std::int32_t>(::getpid()));
 }
 
 void tell_tick_begin(std::uint64_t tick) {

@@ -6,6 +6,8 @@
 #include <cstdlib>
 #include <cstring>
 
+#include "base/compiler/compiler.h"
+
 #ifdef __GLIBC__
 #include <dlfcn.h>
 #include <elf.h>
@@ -20,8 +22,8 @@
 #include <system_error>
 
 /// Of the preload library, where it is loaded.
-extern "C" __attribute__((weak)) void ticktrue_shim_heap(ticktrue::shim::KeptHeap* found,
-                                                         const ticktrue::shim::KeptHeap* wanted);
+extern "C" TICKTRUE_WEAK void ticktrue_shim_heap(ticktrue::shim::KeptHeap* found,
+                                                 const ticktrue::shim::KeptHeap* wanted);
 #endif
 
 namespace ticktrue::capi {

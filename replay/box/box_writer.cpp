@@ -9,6 +9,7 @@
 #include <system_error>
 #include <utility>
 
+#include "base/compiler/compiler.h"
 #include "base/hash.h"
 #include "replay/file/file.h"
 #include "replay/file/file_calls.h"
@@ -26,22 +27,26 @@ std::string with_ending(const std::string& path, const char* ending) {
 
 /// As a store of its own, behind all stores before it: least significant byte first.
 void BoxWriter::store(std::size_t offset, std::uint64_t value, std::size_t size) {
+  ByteWriter bytes;
+  bytes.u64(value);
   std::uint8_t* at = slot() + offset;
-#if defined(__BYTE_ORDER__) && __BYTE_ORDER__ == __ORDER_BIG_ENDIAN__
-  value = size == 8 ? __builtin_bswap64(value) : __builtin_bswap32(static_cast<std::uint32_t>(value));
-#endif
-  if (size == 8)
-    __atomic_store_n(reinterpret_cast<std::uint64_t*>(at), value, __ATOMIC_RELEASE);
-  else
-    __atomic_store_n(reinterpret_cast<std::uint32_t*>(at), static_cast<std::uint32_t>(value), __ATOMIC_RELEASE);
-  __atomic_thread_fence(__ATOMIC_SEQ_CST);
+  if (size == 8) {
+    std::uint64_t word = 0;
+    std::memcpy(&word, bytes.view().data(), sizeof word);
+    compiler::store_release(*reinterpret_cast<std::uint64_t*>(at), word);
+  } else {
+    std::uint32_t word = 0;
+    std::memcpy(&word, bytes.view().data(), sizeof word);
+    compiler::store_release(*reinterpret_cast<std::uint32_t*>(at), word);
+  }
+  compiler::full_fence();
 }
 
 /// An older box goes: one that was closed is removed, one that a crash left is renamed.
 Status BoxWriter::make_place() {
   if (const Status status = check_output(path_); !status) return status;
   std::error_code failure;
-  if (!fs::exists(path_, failure)) return {};
+  if (!fs::exists(system_path(path_), failure)) return {};
   Result<InputFile> old = InputFile::open(path_);
   if (!old) return old.error();
   Bytes head;
@@ -51,10 +56,10 @@ Status BoxWriter::make_place() {
   const bool is_closed = ByteReader(ByteView(head).subspan(box_state_offset)).u32() == 1;
   const std::string aside = with_ending(path_, ".crashed");
   if (is_closed)
-    fs::remove(path_, failure);
+    fs::remove(system_path(path_), failure);
   else
-    fs::rename(path_, aside, failure);
-  if (failure) return io_error(path_, "cannot be set aside", failure.value());
+    fs::rename(system_path(path_), system_path(aside), failure);
+  if (failure) return io_error(path_, "cannot be set aside", failure);
   if (!is_closed) note_ = "the box of a session that did not end is " + aside;
   return {};
 }
@@ -71,15 +76,15 @@ Status BoxWriter::create(ByteView head) {
   // Under another name until it is whole.
   const std::string fresh = with_ending(path_, ".new");
   std::error_code failure;
-  fs::remove(fresh, failure);
+  fs::remove(system_path(fresh), failure);
   Result<MappedFile> file = MappedFile::create(fresh, layout_.file_size());
   if (!file) return file.error();
   ByteWriter header;
   encode_box_header(layout_, header);
   std::memcpy(file->data(), header.view().data(), header.size());
   std::memcpy(file->data() + box_page_size, head.data(), head.size());
-  fs::rename(fresh, path_, failure);
-  if (failure) return io_error(path_, "cannot create", failure.value());
+  fs::rename(system_path(fresh), system_path(path_), failure);
+  if (failure) return io_error(path_, "cannot create", failure);
   file_.emplace(std::move(*file));
   return {};
 }

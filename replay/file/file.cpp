@@ -16,10 +16,10 @@ namespace ticktrue::replay {
 
 Result<InputFile> InputFile::open(const std::string& path) {
   std::error_code failure;
-  const std::filesystem::file_status status = std::filesystem::status(path, failure);
+  const std::filesystem::file_status status = std::filesystem::status(system_path(path), failure);
   if (!std::filesystem::exists(status)) {
-    const int code = failure ? failure.value() : ENOENT;
-    return io_error(path, "cannot open", code);
+    if (!failure) return io_error(path, "cannot open", ENOENT);
+    return io_error(path, "cannot open", failure);
   }
   if (std::filesystem::is_directory(status))
     return Error{ErrorCode::io, path + ": cannot read: found a directory, expected a trace", "name a file in it"};

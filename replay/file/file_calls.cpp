@@ -1,4 +1,4 @@
-// File calls of POSIX and Windows; file locks of POSIX.
+// File calls and file locks of POSIX and Windows.
 // SPDX-License-Identifier: MIT
 #ifndef _FILE_OFFSET_BITS
 #define _FILE_OFFSET_BITS 64  // traces beyond 2 GiB on 32-bit machines
@@ -10,12 +10,15 @@
 #include <sys/types.h>
 #ifdef _WIN32
 #include <io.h>
+#include <windows.h>
 #else
 #include <unistd.h>
 #endif
-#if !defined(_WIN32) && !defined(__EMSCRIPTEN__)
+#ifndef __EMSCRIPTEN__
 #define TICKTRUE_HAS_FILE_LOCKS 1
+#ifndef _WIN32
 #include <sys/file.h>
+#endif
 #endif
 #ifdef __linux__
 #include <sys/sysmacros.h>
@@ -32,8 +35,59 @@
 namespace ticktrue::replay {
 
 #ifdef _WIN32
+namespace {
+
+/// Nothing: the bytes are no text of that code page.
+std::optional<std::wstring> decode(const std::string& text, unsigned code_page) {
+  if (text.empty()) return std::wstring();
+  const int size = static_cast<int>(text.size());
+  const int count = ::MultiByteToWideChar(code_page, MB_ERR_INVALID_CHARS, text.data(), size, nullptr, 0);
+  if (count <= 0) return std::nullopt;
+  std::wstring wide(static_cast<std::size_t>(count), L'\0');
+  ::MultiByteToWideChar(code_page, MB_ERR_INVALID_CHARS, text.data(), size, wide.data(), count);
+  return wide;
+}
+
+std::string encode_utf8(const std::wstring& wide) {
+  if (wide.empty()) return "";
+  const int count = static_cast<int>(wide.size());
+  const int size = ::WideCharToMultiByte(CP_UTF8, 0, wide.data(), count, nullptr, 0, nullptr, nullptr);
+  std::string text(static_cast<std::size_t>(size), '\0');
+  ::WideCharToMultiByte(CP_UTF8, 0, wide.data(), count, text.data(), size, nullptr, nullptr);
+  return text;
+}
+
+}  // namespace
+
+std::string utf8_path(const std::string& path) {
+  if (decode(path, CP_UTF8)) return path;
+  const std::optional<std::wstring> wide = decode(path, CP_ACP);
+  return wide ? encode_utf8(*wide) : path;
+}
+
+std::filesystem::path system_path(const std::string& path) {
+  return decode(path, CP_UTF8).value_or(L"");
+}
+
 int open_file(const std::string& path, int flags) {
-  return ::_open(path.c_str(), flags | _O_BINARY, _S_IREAD | _S_IWRITE);
+  const std::optional<std::wstring> wide = decode(path, CP_UTF8);
+  if (!wide) {
+    errno = EINVAL;
+    return -1;
+  }
+  return ::_wopen(wide->c_str(), flags | _O_BINARY | _O_NOINHERIT, _S_IREAD | _S_IWRITE);
+}
+int create_movable_file(const std::string& path) {
+  const std::optional<std::wstring> wide = decode(path, CP_UTF8);
+  constexpr DWORD shared = FILE_SHARE_READ | FILE_SHARE_WRITE | FILE_SHARE_DELETE;
+  const HANDLE file = ::CreateFileW(wide ? wide->c_str() : L"", GENERIC_READ | GENERIC_WRITE, shared, nullptr,
+                                    CREATE_NEW, FILE_ATTRIBUTE_NORMAL, nullptr);
+  if (file == INVALID_HANDLE_VALUE) {
+    const std::error_code code(static_cast<int>(::GetLastError()), std::system_category());
+    errno = code.default_error_condition().value();
+    return -1;
+  }
+  return ::_open_osfhandle(reinterpret_cast<std::intptr_t>(file), _O_RDWR | _O_BINARY | _O_NOINHERIT);
 }
 std::int64_t write_some(int descriptor, const std::uint8_t* data, std::size_t size) {
   return ::_write(descriptor, data, static_cast<unsigned>(size));
@@ -49,8 +103,17 @@ int close_file(int descriptor) {
   return ::_close(descriptor);
 }
 #else
+std::string utf8_path(const std::string& path) {
+  return path;
+}
+std::filesystem::path system_path(const std::string& path) {
+  return path;
+}
 int open_file(const std::string& path, int flags) {
   return ::open(path.c_str(), flags | O_CLOEXEC, 0666);
+}
+int create_movable_file(const std::string& path) {
+  return open_file(path, O_RDWR | O_CREAT | O_EXCL);
 }
 std::int64_t write_some(int descriptor, const std::uint8_t* data, std::size_t size) {
   return ::write(descriptor, data, size);
@@ -75,6 +138,11 @@ Error io_error(const std::string& path, const std::string& action, int code) {
   return error;
 }
 
+Error io_error(const std::string& path, const std::string& action, const std::error_code& code) {
+  // Numbers of Windows are not those of errno.
+  return io_error(path, action, code.default_error_condition().value());
+}
+
 namespace {
 
 #ifdef _WIN32
@@ -89,7 +157,8 @@ int system_facts(int descriptor, SystemFacts& found) {
   return ::_fstat64(descriptor, &found);
 }
 int system_facts(const std::string& path, SystemFacts& found) {
-  return ::_stat64(path.c_str(), &found);
+  const std::optional<std::wstring> wide = decode(path, CP_UTF8);
+  return wide ? ::_wstat64(wide->c_str(), &found) : -1;
 }
 #else
 using SystemFacts = struct stat;
@@ -186,18 +255,47 @@ std::string lock_process(const FileFacts& file) {
 
 #endif
 
+#ifdef _WIN32
+
+/// A byte behind the end of every file: locks of Windows keep other processes from the bytes they are on.
+OVERLAPPED lock_place() {
+  OVERLAPPED place{};
+  place.OffsetHigh = 0x7fffffff;
+  return place;
+}
+
+bool try_lock(int descriptor) {
+  OVERLAPPED place = lock_place();
+  const auto file = reinterpret_cast<HANDLE>(::_get_osfhandle(descriptor));
+  return ::LockFileEx(file, LOCKFILE_EXCLUSIVE_LOCK | LOCKFILE_FAIL_IMMEDIATELY, 0, 1, 0, &place) != 0 ||
+         (::GetLastError() != ERROR_LOCK_VIOLATION && ::GetLastError() != ERROR_IO_PENDING);
+}
+
+#else
+
+bool try_lock(int descriptor) {
+  return ::flock(descriptor, LOCK_EX | LOCK_NB) == 0 || errno != EWOULDBLOCK;
+}
+
+#endif
+
 }  // namespace
 
 bool lock_file(int descriptor) {
   for (int tries = 0; tries < lock_tries_max; ++tries) {
-    if (::flock(descriptor, LOCK_EX | LOCK_NB) == 0 || errno != EWOULDBLOCK) return true;
+    if (try_lock(descriptor)) return true;
     std::this_thread::sleep_for(lock_pause);
   }
   return false;
 }
 
 void unlock_file(int descriptor) {
+#ifdef _WIN32
+  OVERLAPPED place = lock_place();
+  ::UnlockFileEx(reinterpret_cast<HANDLE>(::_get_osfhandle(descriptor)), 0, 1, 0, &place);
+#else
   ::flock(descriptor, LOCK_UN);
+#endif
 }
 
 std::string lock_holder([[maybe_unused]] int descriptor) {

@@ -1,11 +1,9 @@
-// mmap of POSIX. Elsewhere the option is refused.
+// mmap of POSIX, sections of Windows. Elsewhere the option is refused.
 // SPDX-License-Identifier: MIT
 #ifndef _FILE_OFFSET_BITS
 #define _FILE_OFFSET_BITS 64  // boxes beyond 2 GiB on 32-bit machines
 #endif
 #include "replay/file/mapped_file.h"
-
-#include <fcntl.h>
 
 #include <cerrno>
 #include <filesystem>
@@ -14,8 +12,12 @@
 
 #include "replay/file/file_calls.h"
 
-#if !defined(_WIN32) && !defined(__EMSCRIPTEN__)
+#ifdef _WIN32
+#include <io.h>
+#include <windows.h>
+#elif !defined(__EMSCRIPTEN__)
 #define TICKTRUE_HAS_MMAP 1
+#include <fcntl.h>
 #include <sys/mman.h>
 #include <unistd.h>
 #endif
@@ -45,11 +47,11 @@ Result<MappedFile> MappedFile::create(const std::string& path, std::uint64_t siz
   MappedFile file;
   file.size_ = size;
   if (size > SIZE_MAX / 2) return io_error(path, "cannot map", ENOMEM);
-  file.descriptor_ = open_file(path, O_RDWR | O_CREAT | O_EXCL);
+  file.descriptor_ = create_movable_file(path);
   if (file.descriptor_ < 0) return io_error(path, "cannot create", errno);
   const auto give_up = [&](const char* action, int code) {
     std::error_code ignored;
-    std::filesystem::remove(path, ignored);
+    std::filesystem::remove(system_path(path), ignored);
     return io_error(path, action, code);
   };
   if (const int code = reserve(file.descriptor_, size); code != 0)
@@ -63,6 +65,42 @@ Result<MappedFile> MappedFile::create(const std::string& path, std::uint64_t siz
 
 MappedFile::~MappedFile() {
   if (data_ != nullptr) ::munmap(data_, static_cast<std::size_t>(size_));
+  if (descriptor_ < 0) return;
+  unlock_file(descriptor_);
+  close_file(descriptor_);
+}
+
+#elif defined(_WIN32)
+
+Result<MappedFile> MappedFile::create(const std::string& path, std::uint64_t size) {
+  MappedFile file;
+  file.size_ = size;
+  file.descriptor_ = create_movable_file(path);
+  if (file.descriptor_ < 0) return io_error(path, "cannot create", errno);
+  const auto give_up = [&](const std::string& action) -> Error {
+    const std::error_code code(static_cast<int>(::GetLastError()), std::system_category());
+    close_file(std::exchange(file.descriptor_, -1));  // an open file cannot be removed there
+    std::error_code ignored;
+    std::filesystem::remove(system_path(path), ignored);
+    return io_error(path, action, code);
+  };
+  // A section as large as asked: the file grows to it, and its pages are reserved.
+  const auto handle = reinterpret_cast<HANDLE>(::_get_osfhandle(file.descriptor_));
+  const HANDLE section = ::CreateFileMappingW(handle, nullptr, PAGE_READWRITE, static_cast<DWORD>(size >> 32),
+                                              static_cast<DWORD>(size), nullptr);
+  if (section == nullptr) return give_up("cannot reserve " + std::to_string(size) + " bytes");
+  void* at = ::MapViewOfFile(section, FILE_MAP_READ | FILE_MAP_WRITE, 0, 0, static_cast<SIZE_T>(size));
+  const DWORD failure = ::GetLastError();
+  ::CloseHandle(section);  // the view holds it
+  ::SetLastError(failure);
+  if (at == nullptr) return give_up("cannot map");
+  file.data_ = static_cast<std::uint8_t*>(at);
+  lock_file(file.descriptor_);
+  return file;
+}
+
+MappedFile::~MappedFile() {
+  if (data_ != nullptr) ::UnmapViewOfFile(data_);
   if (descriptor_ < 0) return;
   unlock_file(descriptor_);
   close_file(descriptor_);

@@ -29,8 +29,8 @@ Status check_kind(const std::string& path, const fs::file_status& status) {
   if (path.empty()) return Error{ErrorCode::io, "output: found an empty name, expected a file name", "name a file"};
   if (fs::is_directory(status)) return refuse("a directory", "name a file in it");
   std::error_code failure;
-  if (!fs::exists(status) && fs::is_symlink(fs::symlink_status(path, failure)))
-    return refuse("a link to " + fs::read_symlink(path, failure).string() + ", which does not exist",
+  if (!fs::exists(status) && fs::is_symlink(fs::symlink_status(system_path(path), failure)))
+    return refuse("a link to " + fs::read_symlink(system_path(path), failure).string() + ", which does not exist",
                   "remove the link, or name the file itself");
   if (!fs::exists(status) || fs::is_regular_file(status)) return {};
   return refuse(fs::is_fifo(status)     ? "a pipe"
@@ -49,7 +49,7 @@ int open_existing(const std::string& path) {
 
 Status check_output(const std::string& path) {
   std::error_code failure;
-  const fs::file_status status = fs::status(path, failure);
+  const fs::file_status status = fs::status(system_path(path), failure);
   if (const Status kind = check_kind(path, status); !kind) return kind;
   if (!fs::exists(status)) return {};
   const int descriptor = open_existing(path);
@@ -63,12 +63,13 @@ Status check_output(const std::string& path) {
 
 Result<OutputFile> OutputFile::create(const std::string& path, bool overwrite) {
   std::error_code failure;
-  const fs::file_status status = fs::status(path, failure);
+  const fs::file_status status = fs::status(system_path(path), failure);
   if (const Status kind = check_kind(path, status); !kind) return kind.error();
   OutputFile file;
   // The target of a link is replaced, not the link.
-  file.path_ =
-      fs::is_symlink(fs::symlink_status(path, failure)) ? fs::canonical(path, failure).string() : std::string(path);
+  file.path_ = fs::is_symlink(fs::symlink_status(system_path(path), failure))
+                   ? fs::canonical(system_path(path), failure).string()
+                   : std::string(path);
   if (fs::exists(status))
     if (const Status aside = file.set_aside(overwrite); !aside) return aside.error();
   file.descriptor_ = open_file(file.path_, O_WRONLY | O_CREAT | O_EXCL | O_APPEND);
@@ -102,7 +103,7 @@ Status OutputFile::set_aside(bool overwrite) {
   const std::string aside = path_ + ".old";
   std::error_code failure;
   // The file may be the last good recording of a recorder that was killed: it is never replaced.
-  if (fs::exists(fs::symlink_status(aside, failure)))
+  if (fs::exists(fs::symlink_status(system_path(aside), failure)))
     return Error{ErrorCode::io, aside + ": exists: it is not overwritten",
                  "--force sets the old file aside under this name while it records; move or remove it first"};
   const auto locked = old_descriptor_ < 0 ? std::nullopt : file_facts(old_descriptor_);
@@ -112,8 +113,8 @@ Status OutputFile::set_aside(bool overwrite) {
 #ifdef _WIN32
   if (old_descriptor_ >= 0) close_file(std::exchange(old_descriptor_, -1));  // an open file cannot be renamed there
 #endif
-  fs::rename(path_, aside, failure);
-  if (failure) return io_error(path_, "cannot set aside as " + aside, failure.value());
+  fs::rename(system_path(path_), system_path(aside), failure);
+  if (failure) return io_error(path_, "cannot set aside as " + aside, failure);
   old_path_ = aside;
   return {};
 }
@@ -122,11 +123,11 @@ Status OutputFile::set_aside(bool overwrite) {
 void OutputFile::put_back() {
   if (old_path_.empty()) return;
   std::error_code failure;
-  fs::create_hard_link(old_path_, path_, failure);
+  fs::create_hard_link(system_path(old_path_), system_path(path_), failure);
   if (!failure)
-    fs::remove(old_path_, failure);
-  else if (!fs::exists(fs::symlink_status(path_, failure)))
-    fs::rename(old_path_, path_, failure);  // a file system without hard links
+    fs::remove(system_path(old_path_), failure);
+  else if (!fs::exists(fs::symlink_status(system_path(path_), failure)))
+    fs::rename(system_path(old_path_), system_path(path_), failure);  // a file system without hard links
   old_path_.clear();
 }
 
@@ -221,7 +222,7 @@ Status OutputFile::commit() {
   // Some network file systems report a full disk only here.
   if (close_file(std::exchange(descriptor_, -1)) != 0 && errno != EINTR) return io_error(path_, "cannot close", errno);
   std::error_code ignored;
-  if (!old_path_.empty()) fs::remove(old_path_, ignored);
+  if (!old_path_.empty()) fs::remove(system_path(old_path_), ignored);
   old_path_.clear();
   close();
   return {};
@@ -236,7 +237,7 @@ void OutputFile::discard() {
   close();  // an open file cannot be removed there
 #endif
   std::error_code ignored;
-  if (is_mine) fs::remove(path_, ignored);
+  if (is_mine) fs::remove(system_path(path_), ignored);
   put_back();
   close();
 }

@@ -28,11 +28,15 @@ std::shared_ptr<PluginOptions> add_plugin_options(CLI::App& app) {
 
 std::optional<int> begin_plugins(const PluginOptions& options) {
   if (options.libraries.empty()) return std::nullopt;
-  if (!verifier::can_isolate_plugins())
+  if (!verifier::can_load_plugins())
     return fail_usage(Error{ErrorCode::usage, "--plugin: this system loads no plug-ins", ""});
   std::string names;
   for (const std::string& library : options.libraries) names += (names.empty() ? "" : ", ") + library;
-  if (const auto end = verifier::run_isolated(names, options.timeout_s)) {
+  if (!verifier::can_isolate_plugins()) {
+    print_note("plug-in " + names +
+               ": runs in the process of ticktrue, because this system does not isolate plug-ins: a crash ends the "
+               "command, and --plugin-timeout has no effect");
+  } else if (const auto end = verifier::run_isolated(names, options.timeout_s)) {
     if (end->dropped_output_size > 0)
       print_note("plug-in " + names + ": " + std::to_string(end->dropped_output_size) +
                  " more bytes that it printed are not shown");

@@ -15,6 +15,7 @@
 
 #include "base/limits.h"
 #include "engine/scene/scene_json.h"
+#include "replay/file/file_calls.h"
 #include "verifier/runs/data_file.h"
 
 namespace ticktrue::verifier {
@@ -23,13 +24,11 @@ namespace {
 constexpr std::size_t block_size = 1u << 16;
 
 #ifdef _WIN32
-constexpr int read_flags = O_RDONLY | O_BINARY;
 /// Windows cannot wait for a pipe this way: the read itself waits, and a stop request is seen at the next line.
 bool wait_for_data(int, const std::function<bool()>& stop) {
   return !stop || !stop();
 }
 #else
-constexpr int read_flags = O_RDONLY;
 /// Waits until a read would not block. False if `stop` said so: it is asked several times a second, since a signal that
 /// comes just before the wait would not end it.
 bool wait_for_data(int descriptor, const std::function<bool()>& stop) {
@@ -58,7 +57,7 @@ Result<LineReader> LineReader::open(const std::string& path) {
     return reader;
   }
   reader.name_ = path;
-  reader.descriptor_ = ::open(path.c_str(), read_flags);
+  reader.descriptor_ = replay::open_file(path, O_RDONLY);
   if (reader.descriptor_ < 0) return Error{ErrorCode::io, path + ": cannot open: " + system_message(errno), ""};
   reader.owned_ = true;
   struct stat status {};

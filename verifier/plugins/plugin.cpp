@@ -14,9 +14,14 @@
 #include "include/ticktrue.h"
 #include "verifier/runs/plugin_isolation.h"
 
-#if !defined(_WIN32) && !defined(__EMSCRIPTEN__)
+#ifdef _WIN32
+#include <windows.h>
+
+#include <filesystem>
+#include <system_error>
+#elif !defined(__EMSCRIPTEN__)
 #include <dlfcn.h>
-#define TICKTRUE_CAN_LOAD 1
+#define TICKTRUE_HAS_DLOPEN 1
 #endif
 
 /// What a plug-in's `columns` writes to.
@@ -281,7 +286,12 @@ struct Entry {
   ticktrue_plugin_entry_function call = nullptr;
 };
 
-#ifdef TICKTRUE_CAN_LOAD
+Error no_entry_error(const std::string& path) {
+  return plugin_error(ErrorCode::io, path, "found no function ticktrue_plugin_entry",
+                      "declare it with TICKTRUE_PLUGIN_API, and extern \"C\" in C++");
+}
+
+#if defined(TICKTRUE_HAS_DLOPEN)
 Result<Entry> find_entry(const std::string& path) {
   // A name without a slash would be looked for in the system's folders.
   const std::string file = path.find('/') == std::string::npos ? "./" + path : path;
@@ -291,10 +301,22 @@ Result<Entry> find_entry(const std::string& path) {
     return plugin_error(ErrorCode::io, path, std::string("cannot be loaded: ") + (reason != nullptr ? reason : "?"));
   }
   void* entry = dlsym(library, "ticktrue_plugin_entry");
-  if (entry == nullptr)
-    return plugin_error(ErrorCode::io, path, "found no function ticktrue_plugin_entry",
-                        "declare it with TICKTRUE_PLUGIN_API, and extern \"C\" in C++");
+  if (entry == nullptr) return no_entry_error(path);
   return Entry{reinterpret_cast<ticktrue_plugin_entry_function>(entry)};
+}
+#elif defined(_WIN32)
+Result<Entry> find_entry(const std::string& path) {
+  // A whole path: what the plug-in needs is then looked for beside it, too.
+  std::error_code failure;
+  const std::filesystem::path file = std::filesystem::absolute(path, failure);
+  const HMODULE library = ::LoadLibraryExW(file.c_str(), nullptr, LOAD_WITH_ALTERED_SEARCH_PATH);
+  if (library == nullptr) {
+    const std::error_code code(static_cast<int>(::GetLastError()), std::system_category());
+    return plugin_error(ErrorCode::io, path, "cannot be loaded: " + code.message());
+  }
+  const FARPROC entry = ::GetProcAddress(library, "ticktrue_plugin_entry");
+  if (entry == nullptr) return no_entry_error(path);
+  return Entry{reinterpret_cast<ticktrue_plugin_entry_function>(reinterpret_cast<void*>(entry))};
 }
 #else
 Result<Entry> find_entry(const std::string& path) {
@@ -339,6 +361,14 @@ Status read_plugin(const ticktrue_plugin& given, Plugin& plugin) {
 }
 
 }  // namespace
+
+bool can_load_plugins() {
+#if defined(TICKTRUE_HAS_DLOPEN) || defined(_WIN32)
+  return true;
+#else
+  return false;
+#endif
+}
 
 Status load_plugin(const std::string& path, const std::function<bool(std::string_view)>& is_taken) {
   auto plugin = std::make_unique<Plugin>();

@@ -20,6 +20,9 @@ class PluginFailure : public std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
+/// Whether this system loads shared libraries into a running program.
+bool can_load_plugins();
+
 /// Loads a library and adds its simulation to those of simulations(). Stays loaded until the process ends.
 /// Errors: io (no such library, no entry), incompatible (another version of the interface), usage (what it says of
 /// itself is wrong, or a simulation of its name is there already).

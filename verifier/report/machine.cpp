@@ -5,6 +5,8 @@
 #include <cstdint>
 #include <cstdio>
 
+#include "base/compiler/compiler.h"
+
 namespace ticktrue::verifier {
 namespace {
 
@@ -49,41 +51,12 @@ std::string instruction_set() {
 #endif
 }
 
-#if defined(__x86_64__) || defined(__SSE__) || defined(__aarch64__) || defined(__arm__) || defined(__riscv) || \
-    defined(__s390x__) || defined(__powerpc64__)
-std::string with_name(const char* name, std::uint64_t word) {
-  char text[48];
-  std::snprintf(text, sizeof text, "%s %08llx", name, static_cast<unsigned long long>(word));
-  return text;
-}
-#endif
-
 std::string control_word() {
-#if defined(__x86_64__) || defined(__SSE__)
-  return with_name("MXCSR", __builtin_ia32_stmxcsr());
-#elif defined(__aarch64__)
-  std::uint64_t word = 0;
-  __asm__ volatile("mrs %0, fpcr" : "=r"(word));
-  return with_name("FPCR", word);
-#elif defined(__arm__)
-  std::uint32_t word = 0;
-  __asm__ volatile("vmrs %0, fpscr" : "=r"(word));
-  return with_name("FPSCR", word);
-#elif defined(__riscv)
-  std::uint64_t word = 0;
-  __asm__ volatile("frcsr %0" : "=r"(word));
-  return with_name("FCSR", word);
-#elif defined(__s390x__)
-  std::uint32_t word = 0;
-  __asm__ volatile("efpc %0" : "=d"(word));
-  return with_name("FPC", word);
-#elif defined(__powerpc64__)
-  double word = 0;
-  __asm__ volatile("mffs %0" : "=d"(word));
-  return with_name("FPSCR", __builtin_bit_cast(std::uint64_t, word));
-#else
-  return "";
-#endif
+  const compiler::FloatControl control = compiler::float_control();
+  if (control.name == nullptr) return "";
+  char text[48];
+  std::snprintf(text, sizeof text, "%s %08llx", control.name, static_cast<unsigned long long>(control.word));
+  return text;
 }
 
 }  // namespace

@@ -2,11 +2,15 @@
 // SPDX-License-Identifier: MIT
 #include "verifier/runs/data_file.h"
 
+#include <fcntl.h>
+
 #include <cerrno>
 #include <cstring>
 #include <filesystem>
 #include <system_error>
 #include <utility>
+
+#include "replay/file/file_calls.h"
 
 namespace ticktrue::verifier {
 namespace {
@@ -32,23 +36,24 @@ Status write_data_file(const std::string& path, std::string_view text) {
 Status check_writable_target(const std::string& path, bool overwrite) {
   namespace fs = std::filesystem;
   std::error_code code;
-  const fs::file_status status = fs::status(path, code);
+  const fs::file_status status = fs::status(replay::system_path(path), code);
   if (fs::is_directory(status))
     return Error{ErrorCode::io, path + ": cannot write: found a directory, expected a file name", ""};
   if (fs::exists(status)) {
     if (!overwrite) return exists_error(path);
     return {};
   }
-  const fs::path folder = fs::path(path).parent_path();
-  if (!folder.empty() && !fs::is_directory(folder, code))
-    return Error{ErrorCode::io, path + ": cannot create: found no directory " + folder.string(), ""};
-  return {};
+  const fs::path folder = replay::system_path(path).parent_path();
+  if (folder.empty() || fs::is_directory(folder, code)) return {};
+  const std::u8string name = folder.u8string();
+  return Error{ErrorCode::io, path + ": cannot create: found no directory " + std::string(name.begin(), name.end()),
+               ""};
 }
 
 Status check_not_read(const std::string& output, const std::vector<std::string>& inputs) {
   for (const std::string& input : inputs) {
     std::error_code code;
-    if (std::filesystem::equivalent(output, input, code))
+    if (std::filesystem::equivalent(replay::system_path(output), replay::system_path(input), code))
       return Error{ErrorCode::io, output + ": cannot write: it is what the command reads", "give another name"};
   }
   return {};
@@ -60,18 +65,19 @@ Result<DataFile> DataFile::create(const std::string& path, bool overwrite) {
   DataFile file;
   file.path_ = path;
   std::error_code code;
-  const fs::file_status status = fs::status(path, code);
+  const fs::file_status status = fs::status(replay::system_path(path), code);
   // What a link points at is replaced, not the link.
-  if (fs::is_symlink(fs::symlink_status(path, code)) && fs::is_regular_file(status))
-    file.path_ = fs::canonical(path, code).string();
+  if (fs::is_symlink(fs::symlink_status(replay::system_path(path), code)) && fs::is_regular_file(status))
+    file.path_ = fs::canonical(replay::system_path(path), code).string();
   file.new_path_ = file.path_;
-  const char* mode = "wbx";  // x: fails if the file exists by now
+  int flags = O_EXCL;  // fails if the file exists by now
   if (fs::exists(status)) {
-    mode = "wb";
+    flags = O_TRUNC;
     file.removable_ = fs::is_regular_file(status);
     if (file.removable_) file.new_path_ = file.path_ + ".ticktrue-new";
   }
-  file.file_ = std::fopen(file.new_path_.c_str(), mode);
+  const int descriptor = replay::open_file(file.new_path_, O_WRONLY | O_CREAT | flags);
+  if (descriptor >= 0) file.file_ = ::fdopen(descriptor, "wb");
   if (file.file_ == nullptr) {
     const int error_number = errno;
     file.removable_ = false;
@@ -91,7 +97,12 @@ DataFile::DataFile(DataFile&& other) noexcept
 DataFile::~DataFile() {
   if (file_ == nullptr) return;
   std::fclose(file_);
-  if (removable_) std::remove(new_path_.c_str());
+  remove_new();
+}
+
+void DataFile::remove_new() const {
+  std::error_code ignored;
+  if (removable_) std::filesystem::remove(replay::system_path(new_path_), ignored);
 }
 
 Error DataFile::failure(int error_number) const {
@@ -110,15 +121,15 @@ Status DataFile::close() {
   std::FILE* closing = std::exchange(file_, nullptr);
   if (std::fclose(closing) != 0) {
     const int error_number = errno;
-    if (removable_) std::remove(new_path_.c_str());
+    remove_new();
     return failure(error_number);
   }
-  if (new_path_ != path_ && std::rename(new_path_.c_str(), path_.c_str()) != 0) {
-    const int error_number = errno;
-    std::remove(new_path_.c_str());
-    return failure(error_number);
-  }
-  return {};
+  if (new_path_ == path_) return {};
+  std::error_code code;
+  std::filesystem::rename(replay::system_path(new_path_), replay::system_path(path_), code);
+  if (!code) return {};
+  remove_new();
+  return failure(code.default_error_condition().value());
 }
 
 }  // namespace ticktrue::verifier

@@ -31,6 +31,7 @@ class DataFile {
  private:
   DataFile() = default;
   Error failure(int error_number) const;
+  void remove_new() const;
 
   std::FILE* file_ = nullptr;
   std::string path_;       // as asked for, for messages too

@@ -39,7 +39,7 @@ ByteView view_of(std::string_view text) {
 }
 
 Error failure_of(const std::string& path, const std::string& action, const std::error_code& code) {
-  return replay::io_error(path, action, code.value());
+  return replay::io_error(path, action, code);
 }
 
 std::string host_name() {
