@@ -54,7 +54,22 @@ pack() {
     gzip "-${level}n" <"$work/archive.tar" >"$out/$2.tar.gz" && rm "$work/archive.tar" || exit 1
 }
 
-# stage PREFIX: what is installed, with the programs that need nothing beside the C library.
+# Shared libraries that the tool brings along in lib/ticktrue, by package.
+brought='libbox2d-dev:libbox2d.so libmuparser-dev:libmuparser.so libfmt-dev:libfmt.so'
+
+# bring_libraries PREFIX: each under the name by which the tool asks for it.
+bring_libraries() {
+  mkdir -p "$1/lib/ticktrue" || exit 1
+  for item in $brought; do
+    name=$(objdump -p "$1/bin/ticktrue" | sed -n "s/^ *NEEDED *\(${item#*:}[.0-9]*\)\$/\1/p")
+    path=$(ldd "$1/bin/ticktrue" | awk -v name="$name" '$1 == name { print $3 }')
+    [ -n "$name" ] && [ -f "$path" ] || fail "$1/bin/ticktrue: found no ${item#*:} that it needs" "./dev setup package"
+    cp -L "$path" "$1/lib/ticktrue/$name" || exit 1
+  done
+  chmod 644 "$1"/lib/ticktrue/*
+}
+
+# stage PREFIX: what is installed, with the programs and libraries of target ticktrue_packaged.
 stage() {
   cmake --install "$build" --prefix "$1" --component sdk >"$work/log" || { cat "$work/log" >&2; exit 1; }
   cp "$build/packaged/ticktrue" "$1/bin/ticktrue" &&
@@ -67,6 +82,7 @@ stage() {
     fail "$1/lib: zstd is still asked for" "$(grep -rl zstd "$1/lib/cmake" "$1/lib/pkgconfig")"
   fi
   chmod 644 "$1"/lib/*.so.* "$1"/lib/*.a "$1"/lib/libticktrue_shim.so
+  bring_libraries "$1"
 }
 
 # add_papers FOLDER: documents and examples.
@@ -86,7 +102,8 @@ libstb-dev'
 add_licences() {
   mkdir -p "$1" || exit 1
   {
-    echo "ticktrue is under the MIT licence (LICENSE). These libraries are linked into its programs, in the versions of Debian."
+    echo "ticktrue is under the MIT licence (LICENSE). These libraries are linked into its programs, or lie in lib/ticktrue (Box2D,"
+    echo "muParser, fmt), in the versions of Debian."
     echo "The file of a library's name has its copyright and licence."
     for part in library tool; do
       [ $part = library ] && packages=$in_library || packages=$in_tool
@@ -99,7 +116,7 @@ add_licences() {
     done
     printf '\nlibdw and libelf (elfutils) are in the tool alone, under the LGPL 3 or later, or the GPL 2 or later. The sources of\n'
     echo "ticktrue and cmake/package/CMakeLists.txt in them link the tool with another version of elfutils. Debian has the"
-    echo "sources of elfutils: apt-get source elfutils. The C++ runtime is under the GPL 3 with its runtime library exception."
+    echo "sources of elfutils: apt-get source elfutils. The C++ runtime in libticktrue is under the GPL 3 with its runtime library exception."
   } >"$1/README" || exit 1
   cp /usr/share/common-licenses/LGPL-3 /usr/share/common-licenses/GPL-2 /usr/share/common-licenses/GPL-3 "$1" || exit 1
 }
@@ -144,7 +161,7 @@ Priority: optional
 Architecture: amd64
 Maintainer: $maintainer
 Installed-Size: $(du -sk --apparent-size "$root/usr" | cut -f 1)
-Depends: libc6 (>= $(glibc_version "$root/usr"))
+Depends: libc6 (>= $(glibc_version "$root/usr")), libgcc-s1, libstdc++6 (>= 12)
 Recommends: g++ | clang, pkg-config
 Suggests: cmake, libsdl2-2.0-0
 Description: deterministic replay and verification of simulations
@@ -208,4 +225,4 @@ source_archive
 (cd "$out" && sha256sum ticktrue[-_]* >SHA256SUMS) || exit 1
 printf 'packed  %s\n' "$out"
 (cd "$out" && for file in *; do printf '  %s  %s bytes\n' "$file" "$(wc -c <"$file" | tr -d ' ')"; done)
-printf '  needs a C library of version %s or later\n' "$(glibc_version "$work/ticktrue-$version-linux-x86_64")"
+printf '  needs a C library of version %s or later; the tool also the C++ runtime of GCC 12 or later\n' "$(glibc_version "$work/ticktrue-$version-linux-x86_64")"

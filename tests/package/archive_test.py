@@ -2,7 +2,7 @@
 """archive_test.py SOURCE BUILD [FOLDER PART...]: packs what BUILD has made (cmake/package/package.sh), twice, and uses the archives as somebody
 does who has nothing else: the repository is hidden, the environment empty, the folder new.
 
- - two runs give the same bytes; the programs need the C library alone
+ - two runs give the same bytes; the library needs the C library alone, the tool what it brings along and the C++ runtime
  - every command of docs/quickstart.md, with what it prints: a struct of 20 members, green and red
  - the game of README.md by pkg-config and by find_package, shared and static: green, and red with tick, column, row, values
  - the package for Debian: fields, installation, removal
@@ -125,12 +125,21 @@ def check_archives(work):
 
 
 def check_programs(tree):
-    """What the programs ask for: the C library alone, and no folder of this machine."""
-    for name in ("bin/ticktrue", f"lib/libticktrue.so.{VERSION}", "lib/libticktrue_shim.so"):
+    """What the programs ask for: the C library alone, and no folder of this machine. The tool also asks for the C++
+    runtime and for libraries that it brings along."""
+    brought = {path.name for path in (tree / "lib/ticktrue").iterdir()}
+    check(len(brought) == 3, f"lib/ticktrue: found {sorted(brought)}, expected three libraries")
+    runtime = {"libc.so.6", "libm.so.6", "ld-linux-x86-64.so.2"}
+    of_cpp = runtime | {"libstdc++.so.6", "libgcc_s.so.1"}
+    allowed = {"bin/ticktrue": of_cpp | brought, f"lib/libticktrue.so.{VERSION}": runtime, "lib/libticktrue_shim.so": runtime}
+    allowed |= {f"lib/ticktrue/{name}": of_cpp for name in brought}
+    for name, libraries in allowed.items():
         dynamic = run(["objdump", "-p", str(tree / name)]).stdout
         needed = set(re.findall(r"NEEDED +(\S+)", dynamic))
-        check(needed <= {"libc.so.6", "libm.so.6", "ld-linux-x86-64.so.2"}, f"{name}: needs {sorted(needed)}")
-        check("RPATH" not in dynamic and "RUNPATH" not in dynamic, f"{name}: has a path of libraries")
+        check(needed and needed <= libraries, f"{name}: needs {sorted(needed)}")
+        paths = re.findall(r"R(?:UN)?PATH +(\S+)", dynamic)
+        expected = ["$ORIGIN/../lib/ticktrue"] if name == "bin/ticktrue" else []
+        check(paths == expected, f"{name}: paths of libraries: found {paths}, expected {expected}")
     # Variables that are the same in each unit ("u") stay visible whatever objcopy is told: the linker merges them.
     names = run(["nm", "--defined-only", "--extern-only", "--format=posix", str(tree / "lib/libticktrue.a")]).stdout
     symbols = [line.split()[:2] for line in names.splitlines() if len(line.split()) >= 2]
