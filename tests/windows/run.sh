@@ -170,7 +170,7 @@ expect_run 0 "60 ticks" "$tool" record stack --ticks 60 --force -o 'größe 日�
 expect_run 2 "cannot create" "$tool" record stack --ticks 60 -o 'kein Ordner 日本\x.ttr'
 expect_run 2 "check the spelling" "$tool" verify 'größe 日本 дом\fehlt.ttr'
 expect_run 0 "" "$tool" scenes --random 7 --bodies-max 20 --ticks-max 60 -o 'größe 日本 дом\szene 日.json'
-expect_run 0 "30 ticks" "$tool" record 'größe 日本 дом\szene 日.json' --ticks 30 --json -o 'größe 日本 дом\aus datei.ttr'
+expect_run 0 '"ticks": 30' "$tool" record 'größe 日本 дом\szene 日.json' --ticks 30 --json -o 'größe 日本 дом\aus datei.ttr'
 # The arguments of a C program come in the code page of the system (here 1252): what it can write arrives.
 expect_run 0 "600 ticks" ./lockstep.exe --record 'größe 1.ttr'
 [ -f 'größe 1.ttr' ] || complain "lockstep --record größe 1.ttr: found no file of that name"
