@@ -54,17 +54,15 @@ pack() {
     gzip "-${level}n" <"$work/archive.tar" >"$out/$2.tar.gz" && rm "$work/archive.tar" || exit 1
 }
 
-# Shared libraries that the tool brings along in lib/ticktrue, by package.
-brought='libbox2d-dev:libbox2d.so libmuparser-dev:libmuparser.so libfmt-dev:libfmt.so'
-
-# bring_libraries PREFIX: each under the name by which the tool asks for it.
+# bring_libraries PREFIX: shared libraries that the tool brings along in lib/ticktrue, each under the name by which it is
+# asked for. muParser asks for OpenMP's, which a machine without a compiler lacks.
 bring_libraries() {
   mkdir -p "$1/lib/ticktrue" || exit 1
-  for item in $brought; do
-    name=$(objdump -p "$1/bin/ticktrue" | sed -n "s/^ *NEEDED *\(${item#*:}[.0-9]*\)\$/\1/p")
-    path=$(ldd "$1/bin/ticktrue" | awk -v name="$name" '$1 == name { print $3 }')
-    [ -n "$name" ] && [ -f "$path" ] || fail "$1/bin/ticktrue: found no ${item#*:} that it needs" "./dev setup package"
-    cp -L "$path" "$1/lib/ticktrue/$name" || exit 1
+  for library in libbox2d libmuparser libfmt libgomp; do
+    ldd "$1/bin/ticktrue" | awk -v name="$library" 'index($1, name ".so") == 1 { print $1, $3 }' >"$work/needed"
+    read -r needed path <"$work/needed" && [ -f "$path" ] ||
+      fail "$1/bin/ticktrue: found no $library that it needs" "./dev setup package"
+    cp -L "$path" "$1/lib/ticktrue/$needed" || exit 1
   done
   chmod 644 "$1"/lib/ticktrue/*
 }
@@ -95,7 +93,7 @@ add_papers() {
 
 # What is linked into the programs, as packages of Debian: those of the library first.
 in_library='libzstd-dev libxxhash-dev nlohmann-json3-dev libstdc++-12-dev'
-in_tool='libbox2d-dev libmuparser-dev libfmt-dev libdw-dev libelf-dev zlib1g-dev liblzma-dev libbz2-dev libcli11-dev
+in_tool='libbox2d-dev libmuparser-dev libfmt-dev libgomp1 libdw-dev libelf-dev zlib1g-dev liblzma-dev libbz2-dev libcli11-dev
 libstb-dev'
 
 # add_licences FOLDER
@@ -103,7 +101,7 @@ add_licences() {
   mkdir -p "$1" || exit 1
   {
     echo "ticktrue is under the MIT licence (LICENSE). These libraries are linked into its programs, or lie in lib/ticktrue (Box2D,"
-    echo "muParser, fmt), in the versions of Debian."
+    echo "muParser, fmt, OpenMP), in the versions of Debian."
     echo "The file of a library's name has its copyright and licence."
     for part in library tool; do
       [ $part = library ] && packages=$in_library || packages=$in_tool
