@@ -4,7 +4,7 @@ if(TICKTRUE_UNITY)
   target_compile_options(ticktrue_warnings INTERFACE -Wno-shadow)  # local names of one file beside those of another
   set(apart)
   if(CMAKE_UNITY_BUILD_BATCH_SIZE EQUAL 0)
-    set(apart tool/report_page/report_page.cpp tool/study/stress/stress_contacts.cpp)
+    set(apart tool/study/stress/stress_contacts.cpp)
   endif()
   if(WIN32)
     list(APPEND apart tool/output/progress.cpp)  # `near` and `far` are macros of windows.h

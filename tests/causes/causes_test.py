@@ -162,6 +162,10 @@ class Gallery:
             if not name.endswith(".py") and not cause["source"].endswith(f"{stem}.cpp"):
                 raise Failed(f"{name}: {named[0]}: found the call in {cause['source']}, expected {stem}.cpp")
             self.sites += 1
+        if named[0] == "library_dispatch":
+            cause = moved[named[0]]["cause"] or {}
+            if "AVX2" not in cause.get("cpu_features", []) or "_multiarray_umath" not in cause.get("module", ""):
+                raise Failed(f"{name}: found the cause {cause}, expected AVX2 and numpy's _multiarray_umath")
         self.named += 1
         return f"{named[0]}: " + (moved[named[0]]["run"].get("column", "as recorded") if named[0] in moved
                                   else "held still")

@@ -51,7 +51,7 @@ std::string_view match_name(TickMatch match) {
 }
 
 /// A number with as many digits as a picture needs.
-Json short_number(double value) {
+Json rounded_number(double value) {
   return Json::parse(fmt::format("{:.6g}", value));
 }
 
@@ -174,11 +174,11 @@ Drift measure_drift(const Animation& animation, const Ghosts& ghosts, bool same_
 Json outline_json(const Outline& outline, const Point& center) {
   Json points = Json::array();
   for (const Point& point : outline.points) {
-    points.push_back(short_number(point.x - center.x));
-    points.push_back(short_number(point.y - center.y));
+    points.push_back(rounded_number(point.x - center.x));
+    points.push_back(rounded_number(point.y - center.y));
   }
   Json object = {{"points", std::move(points)}};
-  if (outline.radius > 0) object["radius"] = short_number(outline.radius);
+  if (outline.radius > 0) object["radius"] = rounded_number(outline.radius);
   if (outline.is_line) object["line"] = true;
   if (outline.is_closed) object["closed"] = true;
   if (outline.is_sensor) object["sensor"] = true;

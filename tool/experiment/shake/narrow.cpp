@@ -40,6 +40,16 @@ class Narrower {
     return is_other_run(conditions);
   }
 
+  /// As for ranges.
+  bool is_other_run(const Conditions& conditions) {
+    if (!options_.goes_on()) {
+      has_ended_early_ = true;
+      return false;
+    }
+    const Result<Run> run = launcher_.run(conditions);
+    return run && signature(run->outcome) != options_.baseline;
+  }
+
   bool has_ended_early() const { return has_ended_early_; }
 
   Result<Run> record(const std::vector<CallRange>& ranges, shim::Group group, CallRange logged) {
@@ -55,15 +65,6 @@ class Narrower {
     settings.call_range_count =
         static_cast<std::uint32_t>(std::min<std::size_t>(ranges.size(), shim::call_range_count_max));
     for (std::uint32_t i = 0; i < settings.call_range_count; ++i) settings.call_ranges[i] = ranges[i];
-  }
-
-  bool is_other_run(const Conditions& conditions) {
-    if (!options_.goes_on()) {
-      has_ended_early_ = true;
-      return false;
-    }
-    const Result<Run> run = launcher_.run(conditions);
-    return run && signature(run->outcome) != options_.baseline;
   }
 
   Launcher& launcher_;
@@ -163,6 +164,15 @@ Cause narrow_ticks(Narrower& runs, const Outcome& outcome) {
   return cause;
 }
 
+Cause narrow_kernels(Launcher& launcher, Narrower& runs, const Conditions& guilty) {
+  Cause cause;
+  cause.dispatch =
+      narrow_dispatch(launcher, guilty, [&](const Conditions& conditions) { return runs.is_other_run(conditions); });
+  if (cause.dispatch.features.empty())
+    return no_cause(runs.has_ended_early() ? "no time was left" : "it does not repeat");
+  return cause;
+}
+
 Cause cause_of(const Run& run, const shim::LibmCall& call) {
   Cause cause;
   cause.function = shim::functions[std::min<std::size_t>(call.function, shim::function_count - 1)].name;
@@ -216,6 +226,13 @@ Cause compare_libm(Launcher& launcher, const Conditions& guilty, const NarrowOpt
 
 std::string Cause::text() const {
   if (!failure.empty()) return "not narrowed: " + failure;
+  if (!dispatch.features.empty()) {
+    std::string text;
+    for (const std::string& feature : dispatch.features)
+      text += (text.empty() ? "kernels without " : " and ") + feature;
+    if (!dispatch.module.empty()) text += ", in " + dispatch.module;
+    return text + " (" + dispatch.variable + ")";
+  }
   if (is_ticks)
     return tick_first == tick_last ? "in tick " + std::to_string(tick_first) + " alone"
                                    : "in ticks " + std::to_string(tick_first) + ".." + std::to_string(tick_last);
@@ -264,6 +281,8 @@ Cause narrow(Launcher& launcher, const Perturbation& perturbation, const Conditi
       return narrow_ticks(runs, outcome);
     case Narrowing::libm_results:
       return compare_libm(launcher, guilty, options);
+    case Narrowing::dispatch:
+      return narrow_kernels(launcher, runs, guilty);
   }
   return {};
 }

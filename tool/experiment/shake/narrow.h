@@ -6,6 +6,7 @@
 #include <string>
 
 #include "tool/experiment/shake/call_site.h"
+#include "tool/experiment/shake/dispatch.h"
 #include "tool/experiment/shake/launch.h"
 #include "tool/experiment/shake/perturbations.h"
 
@@ -19,8 +20,9 @@ struct Cause {
   std::uint64_t size = 0;        // bytes that were asked for; 0: no allocation
   std::uint64_t call_count = 1;  // that are needed together
   CallSite site;
-  std::string effect;     // what changed, where it is known
-  bool is_ticks = false;  // no call, but a range of ticks
+  DispatchCause dispatch;  // no call, but kernels that a library chose; no features: another kind of cause
+  std::string effect;      // what changed, where it is known
+  bool is_ticks = false;   // no call, but a range of ticks
   std::uint64_t tick_first = 0;
   std::uint64_t tick_last = 0;
   std::string failure;  // why there is no cause; empty: there is one

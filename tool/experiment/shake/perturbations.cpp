@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <iterator>
 
+#include "tool/experiment/shake/dispatch.h"
+
 #ifdef __linux__
 #include <sys/personality.h>
 #endif
@@ -355,15 +357,7 @@ void cpu_model(Conditions& conditions, unsigned variant, std::uint64_t, const Fa
 }
 
 void library_dispatch(Conditions& conditions, unsigned variant, std::uint64_t, const Facts&) {
-  if (variant == 0) {
-    conditions.environment.emplace_back("OPENBLAS_CORETYPE", "Prescott");
-    conditions.environment.emplace_back("MKL_CBWR", "COMPATIBLE");
-    conditions.environment.emplace_back("ATEN_CPU_CAPABILITY", "default");
-  } else {
-    // numpy warns of what the processor does not have.
-    const char* features = processor_has("avx512f") ? "FMA3 AVX2 AVX512F AVX512CD AVX512_SKX" : "FMA3 AVX2";
-    conditions.environment.emplace_back("NPY_DISABLE_CPU_FEATURES", features);
-  }
+  (variant == 0 ? choose_oldest_kernels : leave_out_features)(conditions);
 }
 
 void libm_ulp(Conditions& conditions, unsigned variant, std::uint64_t seed, const Facts&) {
@@ -482,8 +476,8 @@ constexpr Perturbation table[] = {
     {"cpu_model", Kind::b, "another processor, by emulation: Nehalem, Haswell, all that the emulator has", libm_mend,
      by_launch, alone, whole, Group::libm, 3, needs_emulator, cpu_model, no_fix},
     {"library_dispatch", Kind::b, "OpenBLAS, MKL, numpy and torch as on an older processor",
-     "fix the kernels: OPENBLAS_CORETYPE, NPY_DISABLE_CPU_FEATURES, MKL_CBWR", by_launch, alone, whole, Group::libm, 2,
-     needs_math_library, library_dispatch, no_fix},
+     "fix the kernels: OPENBLAS_CORETYPE, NPY_DISABLE_CPU_FEATURES, MKL_CBWR", by_launch, alone, Narrowing::dispatch,
+     Group::libm, 2, needs_math_library, library_dispatch, no_fix},
     {"libm_ulp", Kind::b, "results of libm one ulp off, as of another library", libm_mend, by_shim, alone,
      Narrowing::calls, Group::libm, 3, needs_calls<Group::libm>, libm_ulp, no_fix},
     {"sort_ties", Kind::b, "equal elements of qsort in the reverse order",

@@ -18,7 +18,7 @@ namespace ticktrue::shake {
 enum class Kind : char { a = 'A', b = 'B', c = 'C' };
 
 /// How a guilty perturbation is narrowed.
-enum class Narrowing : std::uint8_t { none, calls, ticks, libm_results };
+enum class Narrowing : std::uint8_t { none, calls, ticks, libm_results, dispatch };
 
 struct Perturbation {
   std::string_view name;
