@@ -8,6 +8,7 @@
 #include <array>
 #include <filesystem>
 #include <fstream>
+#include <optional>
 #include <span>
 #include <sstream>
 #include <string_view>
@@ -97,7 +98,9 @@ DispatchCause narrow_dispatch(Launcher& launcher, const Conditions& guilty,
     conditions.environment = {{variable, value}};
     return conditions;
   };
-  for (const auto& [variable, value] : guilty.environment) {
+  for (const auto& setting : guilty.environment) {
+    const std::string& variable = setting.first;
+    const std::optional<std::string>& value = setting.second;
     const Library* library = find_library(variable);
     if (library == nullptr || !value || !is_other(with(variable, *value))) continue;
     DispatchCause cause;
