@@ -3,6 +3,9 @@
 // SPDX-License-Identifier: MIT
 #include "base/state/state_view.h"
 
+#include <algorithm>
+#include <cstring>
+#include <limits>
 #include <random>
 #include <string>
 
@@ -376,6 +379,35 @@ TEST_CASE("the first non-finite lane is found, in table, row and column order", 
   Bytes two = changed(sample_image(), bodies_at + 23 + 4, {0, 0, 0x80, 0x7f});
   two = changed(two, bodies_at + 46 + 4, {0, 0, 0x80, 0xff});
   CHECK(find_non_finite(state_of(schema, two).view()) == StatePlace{0, 1, 1, 0});
+}
+
+TEST_CASE("a lane that is not finite is found in rows of every width", "[base][state_view][equivalence]") {
+  for (const ScalarType type : {ScalarType::f32, ScalarType::f64})
+    for (const std::size_t lane_count : {1u, 2u, 4u, 31u, 32u, 33u, 63u, 64u, 65u, 200u}) {  // 64 words are few
+      const std::size_t size = type == ScalarType::f32 ? 4 : 8;
+      StateSchema schema;
+      TableSchema& table = schema.tables.emplace_back();
+      table.name = "wide";
+      table.row_size = static_cast<std::uint32_t>(4 + lane_count * size);  // an id that looks like NaN stands before
+      table.columns.push_back({"id", ScalarType::u32, 1, 0});
+      for (std::size_t lane = 0; lane < lane_count; ++lane)
+        table.columns.push_back({"x" + std::to_string(lane), type, 1, static_cast<std::uint16_t>(4 + lane * size)});
+      constexpr std::size_t row_count = 5;
+      Bytes rows(row_count * table.row_size, 0);
+      for (std::size_t row = 0; row < row_count; ++row)
+        std::fill_n(rows.begin() + static_cast<std::ptrdiff_t>(row * table.row_size), 4, std::uint8_t{0xff});
+      const StateView state{&schema, {{rows.data(), row_count}}};
+      CHECK_FALSE(find_non_finite(state));
+      for (std::size_t lane = 0; lane < lane_count; ++lane) {
+        CAPTURE(size, lane_count, lane);
+        std::uint8_t* const at = rows.data() + 3 * table.row_size + 4 + lane * size;
+        const float single = std::numeric_limits<float>::infinity();
+        const double twice = std::numeric_limits<double>::quiet_NaN();
+        std::memcpy(at, size == 4 ? static_cast<const void*>(&single) : &twice, size);
+        CHECK(find_non_finite(state) == StatePlace{0, 3, 1 + lane, 0});
+        std::fill_n(at, size, std::uint8_t{0});
+      }
+    }
 }
 
 TEST_CASE("large finite values are not taken for infinite", "[base][state_view][analytic]") {

@@ -22,15 +22,9 @@ constexpr std::string_view measured = "accuracy study of 2026-11: ";
 
 StressCase contact_case(std::string name, std::string what, std::string unit, double lower, double upper,
                         std::string best_known, std::string source) {
-  StressCase out;
-  out.name = std::move(name);
-  out.what = std::move(what);
-  out.unit = std::move(unit);
-  out.lower = lower;
-  out.upper = upper;
+  StressCase out = make_case(std::move(name), std::move(what), std::move(unit), lower, upper, contact_methods());
   out.best_known = std::move(best_known);
   out.source = source.empty() ? std::string() : source == "own" ? source : std::string(measured) + source;
-  out.methods = contact_methods();
   return out;
 }
 
