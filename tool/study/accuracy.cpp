@@ -1,4 +1,4 @@
-// Error against run time: every verification problem over a sweep of methods and steps.
+// Error against run time: runs every verification problem over a sweep of methods and steps.
 // SPDX-License-Identifier: MIT
 #include "tool/study/accuracy.h"
 
@@ -63,14 +63,14 @@ Status run_on_ticks(const Problem& problem, Run& run, Observed& observed) {
   for (int sample = 0; sample < problem.sample_count; ++sample) {
     if (Status did = run.advance(static_cast<std::uint64_t>(std::lround(ticks))); !did) return did;
     add_sample(problem, run.engine(), observed);
-    // Not time_s(): a sum of tick lengths has a rounding error of its own.
+    // time_s() is not used here: as a sum of tick lengths, time_s() has a rounding error of its own.
     observed.times.back() = problem.duration * (sample + 1) / problem.sample_count;
   }
   observed.step_time_s = run.step_time_s();
   return {};
 }
 
-// Every tick is a sample: the ticks of a clock do not end at the common times.
+// The ticks of a clock do not end at the common times. Every tick is therefore a sample.
 Status run_on_frames(const Problem& problem, const Method& method, const Setting& setting, Run& run,
                      Observed& observed) {
   auto frames = open_host(setting.host.empty() ? method.host : setting.host, 1);
@@ -116,8 +116,8 @@ double apart(const Problem& problem, double a, double b) {
   return std::isfinite(d) ? d : HUGE_VAL;
 }
 
-// The rounding error of a run: in f32 the distance of the run from the same run in f64. In f64 2^-29 of that, and at
-// least a random walk with one rounding a tick.
+// Estimates the rounding error of a run. In f32 the estimate is the distance between the run and the same run in f64.
+// In f64 it is 2^-29 of that distance, but at least a random walk with one rounding per tick.
 double rounding_floor(const Problem& problem, const Method& method, const Observed& f64, const Observed& f32,
                       Precision precision) {
   if (f64.samples.size() != f32.samples.size() || f64.samples.empty()) return 0;
@@ -130,7 +130,7 @@ double rounding_floor(const Problem& problem, const Method& method, const Observ
   const double floor = std::sqrt(sum / static_cast<double>(f64.samples.size())) / problem.scale;
   if (precision == Precision::f32) return floor;
   const auto tick_count = static_cast<double>(f64.point.tick_count);
-  // The times of a clock's samples are sums of equal tick lengths, which all round in the same direction.
+  // Sample times of a clock are sums of equal tick lengths. The rounding errors of these sums all have the same sign.
   return std::max(floor * 0x1p-29, 0x1p-53 * (method.clock ? tick_count : std::sqrt(tick_count)));
 }
 
@@ -196,8 +196,8 @@ void judge_curve(const Problem& problem, AccuracyCurve& curve) {
   curve.judgement = judge(expectation_of(problem, curve.method), steps, errors, floors);
 }
 
-// In f32 the rounding floor may leave only coarse steps, at which no curve has its order yet. Then f64 shows the same
-// slope over the same steps, and the slope of the theory over finer ones.
+// The rounding floor of f32 may leave only coarse steps, where no curve shows its order yet. A curve is excused if f64
+// has the same slope over the same steps, and the theoretical slope over finer steps.
 void explain_by_f64(const Problem& problem, const std::vector<double>& f64_errors,
                     const std::vector<double>& f64_floors, AccuracyCurve& curve) {
   Judgement& judgement = curve.judgement;
@@ -215,13 +215,14 @@ void explain_by_f64(const Problem& problem, const std::vector<double>& f64_error
   judgement.reason = "rounding leaves coarse steps alone: f64 has this slope over them, and theory's over finer ones";
 }
 
-// A tick that could not be done is a failure. A scene that is refused is not applicable.
+// A tick that fails is a failure of the method. A scene that is refused makes the method not applicable.
 StudyVerdict verdict_of(const Error& error) {
   const bool is_undone = error.code == ErrorCode::limit || error.code == ErrorCode::inconsistent;
   return is_undone ? StudyVerdict::fail : StudyVerdict::not_applicable;
 }
 
-// One method in the requested precisions. Both are run, since their difference is the rounding floor.
+// Runs one method in the requested precisions. Both precisions always run, because their difference is the rounding
+// floor.
 std::vector<AccuracyCurve> run_method(const Problem& problem, const Method& method, const AccuracyOptions& options) {
   std::vector<AccuracyCurve> curves;
   for (const Precision precision : options.precisions) curves.push_back(empty_curve(problem, method, precision));
@@ -355,7 +356,7 @@ std::optional<double> fitted_slope(const std::vector<double>& steps, const std::
 Expectation expectation_of(const Problem& problem, const Method& method) {
   Expectation out;
   if (problem.is_exact) {
-    // Without location, several impacts of one tick all happen at its end, at once.
+    // If impacts are not located, all impacts of a tick happen together at the end of the tick.
     out.is_exact = problem.kind != ProblemClass::impact || method.locates || problem.is_pair;
     if (!out.is_exact) out.reason = "impacts are not located: those of one tick happen at once";
     return out;
@@ -378,7 +379,8 @@ Expectation expectation_of(const Problem& problem, const Method& method) {
     out.reason = "the substeps follow the target";
     return out;
   }
-  // Constraints are met at the ends of steps: an integrator raises the order only where constraint forces are constant.
+  // The solver meets constraints at the ends of steps. A higher-order integrator therefore raises the order only where
+  // constraint forces are constant.
   const bool bounces = problem.kind == ProblemClass::impact || problem.kind == ProblemClass::bounce;
   if (method.locates || !bounces) {
     out.slope = integrator.order >= 2 && problem.slope_of_higher ? problem.slope_of_higher : problem.slope;
@@ -396,7 +398,7 @@ Judgement judge(const Expectation& expectation, const std::vector<double>& steps
   out.expected = expectation.slope;
   out.reason = expectation.reason;
   if (expectation.is_exact) {
-    // The limit for rounding alone: ten floors, or a thousand times the rounding error of 1.
+    // Rounding alone explains an error of at most ten floors, or of a thousand times the rounding error of 1.
     for (std::size_t i = 0; i < errors.size(); ++i)
       if (!(errors[i] <= std::max(10 * floors[i], 1000 * 0x1p-53))) {
         out.verdict = StudyVerdict::fail;

@@ -1,4 +1,4 @@
-// Compares ways to simulate one scene: runs them, aligns them by simulated time, compares them with twins.
+// Compares ways to simulate one scene: runs them, samples them at equal simulated times, compares them with twins.
 // SPDX-License-Identifier: MIT
 #include "tool/study/compare.h"
 
@@ -186,17 +186,17 @@ std::optional<double> first_beyond(const std::vector<CompareSample>& samples) {
 
 namespace {
 
-// One run: the values that comparisons need.
+// One run, with all values that need no other run.
 struct Trajectory {
-  std::string why_not;  // why the run was refused; empty: it was not
+  std::string why_not;  // why the run was refused; empty: the run was accepted
   bool is_finite = true;
   bool has_clock = false;
-  std::vector<double> dts;              // s, of the ticks
-  std::vector<std::uint64_t> bits;      // of the bodies after each tick
-  std::vector<std::uint64_t> root;      // of the whole state after each tick
-  std::vector<Bodies> samples;          // at the common times
-  std::vector<CompareSample> measures;  // of each sample: the values that need no base
-  CompareRow row;                       // the values that need no base
+  std::vector<double> dts;              // s, of each tick
+  std::vector<std::uint64_t> bits;      // hash of the bodies after each tick
+  std::vector<std::uint64_t> root;      // hash of the whole state after each tick
+  std::vector<Bodies> samples;          // the bodies at the common times
+  std::vector<CompareSample> measures;  // of each sample: values that do not depend on the base
+  CompareRow row;                       // values that do not depend on the base
   CrosscheckRun outcome;
 };
 
@@ -217,7 +217,7 @@ Scene scene_of(const CompareSession& session, const Variant& variant) {
   return scene;
 }
 
-/// Whether the variant must give the bits of the base in every column.
+/// Whether the variant must give the same bits as the base in every column.
 bool preserves_state(const Variant& v) {
   return !v.integrator && !v.clock && !v.solver && !v.substeps && !v.precision && !v.dt && !v.scene;
 }
@@ -229,7 +229,7 @@ std::uint64_t bits_of(const StateView& view) {
       ByteView(view.tables[*table].data, view.tables[*table].row_count * view.schema->tables[*table].row_size));
 }
 
-// Gives the ticks of a run their length and inputs: the recorded ones, those of a clock, or the scene's.
+// Gives each tick of a run its length and inputs. The length is the recorded one, the clock's or the scene's.
 class TickMaker {
  public:
   TickMaker(const CompareSession& session, const Variant& variant, const CompareOptions& options, Engine& engine)
@@ -258,7 +258,8 @@ class TickMaker {
   }
 
  private:
-  // The inputs up to this time, with new sequence numbers: several recorded ticks may fall into one tick.
+  // Collects the inputs up to this time. Renumbers them, because inputs of several recorded ticks may fall into one
+  // tick.
   void collect(double time_s) {
     bytes_.clear();
     std::vector<engine::Input> due;
@@ -280,7 +281,8 @@ class TickMaker {
   Bytes bytes_;
 };
 
-// Bodies at `time_s`, between two ticks: a cubic through both poses and velocities.
+// Interpolates the bodies at `time_s`, between two ticks: the position by a cubic through both positions and
+// velocities, the angle linearly.
 Bodies between(const Bodies& before, double before_s, const Bodies& after, double after_s, double time_s) {
   const double length = after_s - before_s;
   if (length <= 0 || std::fabs(after_s - time_s) < 1e-9) return after;
@@ -305,7 +307,7 @@ Bodies between(const Bodies& before, double before_s, const Bodies& after, doubl
   return out;
 }
 
-/// The values of a sample that need no base, at the end of a tick.
+/// The values of a sample at the end of a tick that do not depend on the base.
 CompareSample measured(const Scene& scene, const Bodies& bodies, const std::vector<engine::ContactReport>& contacts) {
   CompareSample sample;
   sample.energy = energy_of(scene, bodies);
@@ -391,7 +393,7 @@ Trajectory run_trajectory(const CompareSession& session, const Variant& variant,
   return trajectory;
 }
 
-/// Adds to `sample` how far `b` is from `a`.
+/// Adds the distance between `a` and `b` to `sample`.
 CompareSample apart(const Bodies& a, const Bodies& b, double time_s, CompareSample sample) {
   sample.time_s = time_s;
   double squares = 0;
@@ -419,7 +421,7 @@ std::size_t elsewhere(const CrosscheckRun& a, const CrosscheckRun& b, double siz
   return count;
 }
 
-// Fills the values that need the base. `twin_rms[i]`: the largest RMS of the twins up to sample i.
+// Fills the values that depend on the base. `twin_rms[i]`: the largest RMS of the twins up to sample i.
 CompareRow against(const Trajectory& base, const Trajectory& trajectory, const std::vector<double>& twin_rms,
                    const CompareSession& session, double size) {
   CompareRow row = trajectory.row;
@@ -467,7 +469,7 @@ CompareRow against(const Trajectory& base, const Trajectory& trajectory, const s
   return row;
 }
 
-// Whether the outcome differs visibly: bodies that stand, their order, or where they rest.
+// Whether the outcome differs visibly: the number of standing bodies, their order, or their places of rest.
 bool differs_in_outcome(const CompareRow& base, const CompareRow& row) {
   const double placed = static_cast<double>(std::max<std::size_t>(1, base.placed_count));
   const double standing = std::fabs(static_cast<double>(base.standing_count) - static_cast<double>(row.standing_count));

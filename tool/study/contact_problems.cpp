@@ -1,4 +1,4 @@
-// Verification problems of contacts: impacts, friction, rest; and the same four tasks for a disc and polygons.
+// Verification problems of contacts: impacts, friction, rest, and four tasks for a disc and each polygon.
 // SPDX-License-Identifier: MIT
 #include <algorithm>
 #include <cmath>
@@ -203,7 +203,7 @@ Problem rolling(std::string name, double inertia_share) {
   return problem;
 }
 
-// A belt accelerates the body at mu g = 5 m/s^2 up to 2 m/s.
+// A belt accelerates the body at mu g = 5 m/s^2 until the body moves at 2 m/s.
 Problem conveyor() {
   Problem problem =
       of_contacts(ProblemClass::friction, "conveyor", "a box at rest on a belt of 2 m/s, friction 0.5, 1 s", 1);
@@ -220,7 +220,7 @@ Problem conveyor() {
   return problem;
 }
 
-// Rolling resistance brakes at 2/3 c g.
+// Rolling resistance decelerates the disc at 2/3 c g.
 Problem rolling_resistance() {
   Problem problem = of_contacts(ProblemClass::friction, "rolling_resistance",
                                 "a disc rolls at 4 m/s, rolling resistance 0.3, stops after 4 m", 3);
@@ -326,7 +326,7 @@ Problem family_slide(int n) {
     Scene scene = worlds::empty(precision);
     scene.bodies = {worlds::ground(), worlds::weighted(shape_of(n), {0, height_of(n)}, 1)};
     scene.bodies[1].velocity = {10, 0};
-    scene.bodies[1].fixed_rotation = true;  // so that all of them slide
+    scene.bodies[1].fixed_rotation = true;  // so that every shape slides
     worlds::set_material(scene, 0.5, 0);
     return scene;
   };
@@ -335,7 +335,7 @@ Problem family_slide(int n) {
   return problem;
 }
 
-// A polygon starts on a flat side, turning about its right corner; a disc rolls on at its speed.
+// A polygon starts on a flat side and turns about its right corner. A disc starts to roll at the same spin.
 Problem family_roll(int n) {
   Problem problem = family(ProblemClass::roll, n, "rolls over a level floor: angle", 2);
   problem.is_angle = true;
@@ -423,7 +423,7 @@ std::vector<Problem> shape_problems() {
     for (int n = 0; n <= 16; ++n) {
       if (n == 1 || n == 2) continue;
       if (make == family_stack && n % 2 == 1)
-        continue;  // a polygon with an odd number of corners has a corner at the top: no body rests on it
+        continue;  // a polygon with an odd number of corners has a corner at the top: no body can rest on it
       problems.push_back(make(n));
     }
   return problems;

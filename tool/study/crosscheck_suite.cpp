@@ -54,7 +54,7 @@ struct Builder {
     for (Body& body : scene.bodies)
       for (Shape& shape : body.shapes) shape.material.friction = value;
   }
-  // A link is pinned at its upper end to the lower end of the one above, or to the peg.
+  // Connects the upper end of a link to the lower end of the link above, or to the peg, by a revolute joint.
   void pin(std::uint32_t a, std::uint32_t b, Point anchor_a, Point anchor_b) {
     scene.joints.push_back(worlds::joint(JointKind::revolute, a, b, anchor_a, anchor_b));
   }
@@ -98,7 +98,7 @@ Scene pyramid() {
   return built.scene;
 }
 
-// Bricks in running bond; every other course ends in halves.
+// Bricks in running bond: every other course ends in half bricks.
 Scene wall() {
   Builder built;
   const int columns = 6;
@@ -169,7 +169,7 @@ Scene tent_stands() {
   return tent_of(0.8);
 }
 Scene tent_slips() {
-  return tent_of(0.05);  // too little: the feet need tan(0.35) / 2 = 0.18
+  return tent_of(0.05);  // too little: the feet need a friction of tan(0.35) / 2 = 0.18
 }
 
 Scene dominoes_of(double push) {
@@ -211,7 +211,8 @@ Scene light_on_heavy() {
   return built.scene;
 }
 
-// Each brick reaches out by a share of the limit, which is the harmonic series. They hold below a share of 1.
+// Each brick overhangs by `share` of the largest stable overhang, which follows the harmonic series. Below a share of 1
+// the bricks stand.
 Scene overhang_of(double share) {
   Builder built;
   const int count = 4;
@@ -219,7 +220,7 @@ Scene overhang_of(double share) {
   std::vector<double> places(count);
   for (int i = count; i-- > 0;) {
     places[static_cast<std::size_t>(i)] = x;
-    x -= share * 1.0 / (count - i);  // half a brick of 2 m over the number of bricks above the joint
+    x -= share * 1.0 / (count - i);  // half a brick of 2 m, divided by the number of bricks above the joint
   }
   built.add_static({places[0] - share * 0.25, 0.5}, box(2, 1));
   for (int i = 0; i < count; ++i) built.add({places[static_cast<std::size_t>(i)], 1.25 + 0.5 * i}, box(2, 0.5));
@@ -232,7 +233,7 @@ Scene overhang_falls() {
   return overhang_of(1.3);
 }
 
-// A tower whose courses step aside: it stands while its centre is over its foot.
+// A tower whose courses are shifted by `step` each. The tower stands while its centre of mass is over its foot.
 Scene leaning_of(double step) {
   Builder built;
   for (int i = 0; i < 6; ++i) built.add({step * i, i + 0.5}, box(1, 1));
@@ -245,7 +246,7 @@ Scene leaning_falls() {
   return leaning_of(0.3);
 }
 
-// A box lies edge down in the groove of two wedges that friction on the floor keeps together.
+// A box lies with an edge down in the groove between two wedges. Friction on the floor holds the wedges together.
 Scene wedges_hold() {
   Builder built;
   built.add({-1, 0}, worlds::polygon({{-1, 0}, {1, 0}, {1, 0.2}, {-0.8, 2}, {-1, 2}}));
@@ -275,7 +276,7 @@ Scene octagons() {
   return built.scene;
 }
 
-// Discs in a tray: the row below carries the row above, the walls hold it together.
+// Discs in a tray: each row of discs carries the row above, and the walls keep the rows together.
 Scene disc_tray() {
   Builder built;
   built.add_static({-2.6, 0.6}, box(0.2, 1.2));
@@ -286,7 +287,7 @@ Scene disc_tray() {
   return built.scene;
 }
 
-// A floor inclined by `angle`, with boxes standing on it.
+// A floor inclined by `angle`, with a stack of boxes on the floor.
 Scene slope_of(double angle, double friction, int boxes) {
   Builder built;
   const engine::SinCos turn = engine::sin_cos(angle);
@@ -311,10 +312,10 @@ Scene slope_tower() {
   return slope_of(0.15, 0.5, 3);
 }
 Scene slope_topples() {
-  return slope_of(0.35, 0.9, 4);  // its centre is 0.73 m beside its foot's middle
+  return slope_of(0.35, 0.9, 4);  // its centre of mass is 0.73 m beside the middle of its foot
 }
 
-// A plank on an edge, with equal or unequal loads.
+// A plank on an edge, with equal or different loads at its ends.
 Scene lever_of(double right_density) {
   Builder built;
   built.add_static({0, 0.5}, worlds::polygon({{-0.5, -0.5}, {0.5, -0.5}, {0.2, 0.5}, {-0.2, 0.5}}));
@@ -325,8 +326,8 @@ Scene lever_of(double right_density) {
   built.add({2.5, 1.7}, std::move(right));
   built.friction(0.9);
   if (right_density != 1) {
-    built.pin(1, 2, {0, 0.6}, {0, 0});           // the plank turns in place,
-    built.add_static({2.5, 0.35}, box(1, 0.7));  // and this stops it
+    built.pin(1, 2, {0, 0.6}, {0, 0});           // the plank turns about its centre,
+    built.add_static({2.5, 0.35}, box(1, 0.7));  // and this box stops the plank
   }
   return built.scene;
 }
@@ -349,10 +350,10 @@ Scene hanging_chain() {
   return built.scene;
 }
 
-// Ten planks between two pegs start as a V. The chain swings until damping has stopped it.
+// Ten planks between two pegs start in the shape of a V. The chain swings until damping stops the swing.
 Scene hanging_bridge() {
   Builder built;
-  const engine::SinCos half = {2.1794494717703369 / 5, 0.9};  // five planks come down 2.18 m on 4.5 m
+  const engine::SinCos half = {2.1794494717703369 / 5, 0.9};  // five planks descend 2.18 m over 4.5 m
   const double angle = engine::arc_tangent(half.sin, half.cos);
   built.add_static({-4.5, 5}, box(0.4, 0.4));
   std::uint32_t before = built.last();
@@ -369,7 +370,7 @@ Scene hanging_bridge() {
   return built.scene;
 }
 
-// ---- Too much for 4 substeps, and for Box2D's plain steps ----
+// ---- Scenes that need more than 4 substeps, and more than plain steps in Box2D ----
 
 Scene by_default(Builder built) {
   built.scene.settings.auto_substeps.reset();
@@ -408,7 +409,7 @@ Scene slow_tower() {
   return by_default(std::move(built));
 }
 
-// Boxes of 1 kg under one that is heavier.
+// Boxes of 1 kg below one heavier box.
 template <int count, int load>
 Scene loaded() {
   Builder built;
@@ -417,7 +418,7 @@ Scene loaded() {
   return by_default(std::move(built));
 }
 
-// Each box has ten times the mass of the one below.
+// Each box has ten times the mass of the box below.
 Scene growing() {
   Builder built;
   double density = 1;

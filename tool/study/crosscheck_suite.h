@@ -1,5 +1,5 @@
-// The scenes of `ticktrue crosscheck --suite`: structures whose outcome a person can predict, small enough that an
-// ensemble of each in both engines takes seconds.
+// The scenes of `ticktrue crosscheck --suite`: structures whose outcome a person can predict. The scenes are so small
+// that an ensemble of each takes seconds in both engines.
 // SPDX-License-Identifier: MIT
 #pragma once
 
@@ -13,9 +13,9 @@ namespace ticktrue::verifier {
 struct SuiteScene {
   std::string_view name;
   std::string_view outcome;  // the expected outcome
-  double seconds;            // simulated
+  double seconds;            // s, simulated
   engine::Scene (*make)();
-  // It runs with 4 substeps, and with these ours falls where Box2D's finest steps stand: `differ` is the right verdict.
+  // The scene falls here with its 4 substeps, but stands with Box2D's finest steps: `differ` is the right verdict.
   bool falls_short = false;
 };
 

@@ -28,17 +28,18 @@ Problem of_joints(std::string name, std::string summary, std::string reference, 
   problem.reference = std::move(reference);
   problem.kind = ProblemClass::joint;
   problem.duration = duration;
-  problem.size = 0.2;  // discs of 0.1 m, links of 0.1 m half width; angles are of arms of 1 m
+  problem.size = 0.2;  // discs of 0.1 m, links of 0.1 m half width; angles refer to arms of 1 m
   return problem;
 }
 
-/// The bars of the three integrators with joints, at the default settings of a scene. `energy` in J; 0: none.
+/// Sets the bars of the three integrators that solve joints, at the default settings of a scene. `energy` in J, or 0
+/// for no bar.
 void set_bars(Problem& problem, double error, double energy = 0) {
   for (const char* method : {"tgs_soft", "tgs_soft verlet", "tgs_soft rk4"})
     problem.bars.push_back({method, "4 sub", error, energy});
 }
 
-/// Swinging joints miss the bars by a known amount: `error` relative, `energy` in J.
+/// Declares that swinging joints miss the bars by at most this much: `error` relative, `energy` in J.
 void add_drift_shortfalls(Problem& problem, double error, double energy) {
   for (const char* method : {"tgs_soft verlet", "tgs_soft rk4"})
     problem.shortfalls.push_back({method, "half of a joint's impulse enters the drift", error, energy});
@@ -69,7 +70,7 @@ Problem pendulum_joint() {
   };
   problem.exact = [](double t) { return std::vector<double>{pendulum_angle(pi / 3, std::sqrt(10.0), t)}; };
   problem.slope = 1;
-  set_bars(problem, 0.02, 0.05);  // 1 % of the fall
+  set_bars(problem, 0.02, 0.05);  // 1 % of the energy of the fall
   add_drift_shortfalls(problem, 0.04, 0.8);
   return problem;
 }
@@ -97,12 +98,13 @@ Problem double_pendulum(std::string name, double start, const double* numbers) {
     return std::vector<double>{numbers[2 * sample], numbers[2 * sample + 1]};
   };
   problem.slope = 1;
-  set_bars(problem, 0.02, 10 * (1 + 2) * (start < 2 ? 1 : 1.5) / 100);  // 1 % of the fall
+  set_bars(problem, 0.02, 10 * (1 + 2) * (start < 2 ? 1 : 1.5) / 100);  // 1 % of the energy of the fall
   add_drift_shortfalls(problem, start < 2 ? 0.05 : 0.09, start < 2 ? 1.8 : 3.2);
   return problem;
 }
 
-// A spring without damping, given in N/m. The scheme's roots are those of the exact solution to y^5, y = w h.
+// A spring without damping, given in N/m. With y = w h, the roots of the scheme equal those of the exact solution up to
+// order y^5.
 Problem spring_joint() {
   Problem problem = of_joints("spring_joint", "1 kg on a spring joint of 100 N/m, no damping, 2 s", "closed form", 2);
   problem.scale = 0.1;
@@ -117,11 +119,11 @@ Problem spring_joint() {
   problem.observe = [](const Engine& engine) { return std::vector<double>{engine.bodies()[1].center.x - 1}; };
   problem.exact = [](double t) { return std::vector<double>{0.1 * std::cos(10 * t)}; };
   problem.slope = 1;
-  set_bars(problem, 0.02);  // theory: w h / 2 = 0.021 of the amplitude, RMS 0.015
+  set_bars(problem, 0.02);  // theory: w h / 2 = 0.021 of the amplitude, an RMS of 0.015
   return problem;
 }
 
-// Motors add the same impulse every substep: x = F t (t + h) / 2 m.
+// A motor adds the same impulse in every substep: x = F t (t + h) / (2 m).
 Problem slider_motor() {
   Problem problem = of_joints("slider_motor", "2 kg on a rail, driven by 6 N from rest, 2 s", "closed form", 2);
   problem.scale = 6;
@@ -140,7 +142,7 @@ Problem slider_motor() {
   return problem;
 }
 
-// Link i from the middle leans by atan((i + 1/2) / H), H found from the span.
+// Link i, counted from the middle, has the angle atan((i + 1/2) / H) from level. The span determines H.
 Problem catenary() {
   Problem problem = of_joints("catenary", "20 links of 0.6 m between pegs 10 m apart, hung for 20 s: lowest point",
                               "exact equations of the links (sag 2.927214753 m)", 20);

@@ -1,4 +1,4 @@
-// What a study measures on a run: time of the steps, energy, momentum, overlaps, gaps of joints.
+// Measures a run: time of the steps, energy, momentum, overlaps, joint gaps.
 // SPDX-License-Identifier: MIT
 #include "tool/study/measures.h"
 

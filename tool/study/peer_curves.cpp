@@ -23,7 +23,7 @@ struct PeerScene {
   std::string name;
   std::string measure;
   bool is_chain = false;
-  int first_tick = 450;  // from which samples count
+  int first_tick = 450;  // samples count from this tick on
   Scene scene;
 };
 
@@ -41,8 +41,8 @@ std::vector<PeerScene> peer_scenes() {
        worlds::chain(Precision::f32, 10, {1, 0}, 1)}};
 }
 
-// The error of a stack against boxes that lie on each other. Upwards: the sum of the parts of gaps outside 0..skin.
-// Across: the distance from x = 0.
+// The error of each box of a stack against the ideal stack, in which boxes touch. Upwards: the sum of the gaps below
+// the box; the part of a gap within 0..skin does not count. Across: the distance from x = 0.
 std::vector<double> stack_errors(const Bodies& bodies, double skin) {
   std::vector<double> errors;
   double up = 0, below = -0.5;
@@ -70,7 +70,8 @@ struct PeerErrors {
   }
 };
 
-// The error of one run and the time of its ticks. `step` advances one tick and gives a Status. Errors: those of `step`.
+// Returns the error of one run, and the time of its ticks in `time_ms`. `step` advances one tick and returns a Status.
+// Errors: those of `step`.
 template <typename Step, typename Report>
 Result<PeerErrors> run_once(const PeerScene& scene, double skin, double& time_ms, Step step, Report report) {
   PeerErrors errors;

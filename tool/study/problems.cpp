@@ -1,4 +1,4 @@
-// The verification problems: smooth motions, whose errors have the order of the integrator.
+// The smooth verification problems: motions whose error has the order of the integrator.
 // SPDX-License-Identifier: MIT
 // Source: Hairer, Lubich, Wanner, "Geometric Numerical Integration", 2006, I (oscillator, pendulum, Kepler); Abramowitz
 // and Stegun, 1964, 16.12 (elliptic functions by Landen's transformation).
@@ -73,7 +73,7 @@ Force force_of(ForceKind kind) {
   return force;
 }
 
-// A spring of relaxed length 5 from the disc to (-5, 0): k x along the x axis.
+// A spring of relaxed length 5 m from the disc to (-5, 0). Its force on the x axis is k x.
 Force spring_along_x(double stiffness, double damping) {
   Force force = force_of(ForceKind::spring);
   force.body = 0;
@@ -129,7 +129,8 @@ Problem linear_drag() {
   return problem;
 }
 
-// v = -u tanh(g t / u + a), u = sqrt(g / c), tanh a = 1 / u. Not from rest: |v| v has a kink there.
+// v = -u tanh(g t / u + a), u = sqrt(g / c), tanh a = 1 / u. The motion does not start from rest, because |v| v is not
+// smooth at 0.
 Problem quadratic_drag() {
   Problem problem =
       smooth("quadratic_drag", "thrown down at 1 m/s, drag 0.4 kg/m (5 m/s at last), 2 s", 2, 40, {0, 0}, {0, -1});
@@ -182,9 +183,9 @@ Problem oscillator(std::string name, double zeta) {
   return problem;
 }
 
-// theta'' = -10 sin theta from 60 degrees: theta = 2 asin(k sn(K - w t, k)). No joint: a spring of almost no stiffness
-// to a point 1e7 m below pulls an arm of 1 m with 10 N, always in the same direction. A constant force of 10 N balances
-// it at the centre. The length of the spring changes the force by 1e-12 of it.
+// theta'' = -10 sin theta from 60 degrees: theta = 2 asin(k sn(K - w t, k)). The scene has no joint. A very soft spring
+// to a point 1e7 m below pulls the end of an arm of 1 m with 10 N, always in the same direction. A constant force of 10
+// N at the centre balances the spring. The changing length of the spring changes its force by a relative 1e-12.
 Problem pendulum() {
   Problem problem =
       smooth("pendulum", "1 m, from 60 degrees, as an equation of the angle, 2 s", 2, 120, {pi / 3, 0}, {0, 0});
@@ -239,7 +240,7 @@ Problem kepler(std::string name, double e, int step_count) {
   return problem;
 }
 
-// Torque-free: the angle is w t under every scheme.
+// No torque acts: the angle is w t in every scheme.
 Problem spin() {
   Problem problem = smooth("spin", "a free box at 100 rad/s, 2 s: angle and spin", 2, 40, {0, 0}, {100, 0});
   problem.is_angle = true;

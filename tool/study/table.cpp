@@ -40,7 +40,8 @@ std::string TextTable::text() const {
 }
 
 std::vector<std::vector<std::size_t>> TextTable::blocks_of(const std::vector<std::size_t>& widths) const {
-  // Each block begins with the columns that name the row: those on the left, or the first where they leave no room.
+  // Each block begins with the left columns, which name the row. If they leave no room for another column, only the
+  // first is repeated.
   std::size_t named_count = std::min(left_, widths.size()), named_width = 0, widest = 0;
   for (std::size_t i = 0; i < widths.size(); ++i) {
     if (i < named_count)
@@ -122,8 +123,8 @@ bool can_plot(const Plot& plot, double x, double y) {
   return std::isfinite(x) && std::isfinite(y) && (!plot.log_x || x > 0) && (!plot.log_y || y > 0);
 }
 
-// Eight colours that remain apart for the colour-blind (Okabe, Ito, "Color Universal Design", 2008), then the same
-// dashed.
+// Eight colours that colour-blind readers can tell apart (Okabe, Ito, "Color Universal Design", 2008), then the same
+// colours dashed.
 constexpr std::string_view line_types =
     "do for [i=0:1] {\n"
     "  j = 0\n"
@@ -133,7 +134,7 @@ constexpr std::string_view line_types =
     "  }\n"
     "}\n"
     "set linetype cycle 16\n";
-constexpr std::size_t marked_count_max = 40;  // a curve of more points is a line without marks
+constexpr std::size_t marked_count_max = 40;  // a curve with more points is a line without marks
 
 std::size_t longest_name(const std::vector<Plot>& plots) {
   std::size_t longest = 0;
@@ -142,7 +143,7 @@ std::size_t longest_name(const std::vector<Plot>& plots) {
   return longest;
 }
 
-// Whether the names of the axis ticks need turning to fit beside each other.
+// Whether the labels of an axis are too long to fit side by side and must be rotated.
 bool are_long(const std::vector<std::string>& ticks) {
   return std::any_of(ticks.begin(), ticks.end(), [](const std::string& tick) { return tick.size() > 4; });
 }
@@ -190,7 +191,7 @@ std::string curves_of(const Plot& plot, std::size_t index) {
 }
 
 std::string script_of(const std::vector<Plot>& plots, const std::string& path) {
-  constexpr std::size_t width = 1000, height = 480;  // of a diagram
+  constexpr std::size_t width = 1000, height = 480;  // of one diagram
   std::string script = "set terminal svg size " + std::to_string(width) + "," + std::to_string(height * plots.size()) +
                        " font 'sans-serif,12' background 'white'\nset output " + quoted(path) +
                        "\nset encoding utf8\n" + std::string(line_types) + "set multiplot layout " +

@@ -1,4 +1,4 @@
-// The verdicts of a study on one curve or case, and how many of each there are.
+// The verdicts of a study on one curve or case, and counts of verdicts.
 // SPDX-License-Identifier: MIT
 #pragma once
 
@@ -8,7 +8,7 @@
 
 namespace ticktrue::verifier {
 
-/// not_judged: nothing is claimed. falls_short: it misses the claim, and docs/study.md gives the reason.
+/// not_judged: nothing is claimed. falls_short: the row misses the claim, and docs/study.md gives the reason.
 enum class StudyVerdict : std::uint8_t { pass, fail, not_judged, falls_short, not_applicable };
 inline constexpr std::array<std::string_view, 5> study_verdict_names{"pass", "fail", "not_judged", "falls_short",
                                                                      "not_applicable"};

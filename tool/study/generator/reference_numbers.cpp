@@ -3,10 +3,11 @@
 // Source: Hairer, Norsett, Wanner, "Solving Ordinary Differential Equations I", 1993, II.1 (the classical scheme);
 // McGeer, "Passive Dynamic Walking", 1990 (the rimless wheel: impacts of a rolling polygon).
 //
-// Not part of `all`:
+// The target is not part of `all`:
 //   cmake --build build/release --target reference_numbers
 //   build/release/reference_numbers > tool/study/reference_numbers.h
-// Each number was computed with a step and with half of it; the program fails where they differ by more than 1e-13.
+// The program computes each number with a step and with half of that step. It fails if the two results differ by more
+// than 1e-13.
 #include <array>
 #include <cmath>
 #include <cstdio>
@@ -35,7 +36,7 @@ std::array<Real, n> stepped(const std::array<Real, n>& x, Real h, Rate rate) {
   return out;
 }
 
-// Two points of 1 kg on rods of 1 m, g = 10, from rest: angles from hanging down, both `start`.
+// Two points of 1 kg on rods of 1 m, g = 10, from rest. Angles are measured from hanging down; both begin at `start`.
 std::vector<Real> double_pendulum(Real start, Real seconds, long steps_per_sample) {
   const auto rate = [](const std::array<Real, 4>& s) {
     const Real a = s[0], b = s[1], wa = s[2], wb = s[3], g = 10;
@@ -57,10 +58,12 @@ std::vector<Real> double_pendulum(Real start, Real seconds, long steps_per_sampl
   return out;
 }
 
-// A regular polygon (1 kg, circumradius 0.5 m, uniform) rolls to the right over a level floor without slipping or
-// bouncing, g = 10. It starts flat, turning about its right corner at `spin` rad/s; gives the angle turned so far.
-// About the corner (I + m R^2) phi'' = m g R sin phi, phi from upright; when an edge lands, the next corner takes over
-// and the spin falls to (I + m R^2 cos(2 pi / n)) / (I + m R^2) of itself, to 0 where that is negative.
+// A regular polygon (1 kg, circumradius 0.5 m, uniform) rolls to the right over a level floor, g = 10. The polygon
+// neither slips nor bounces. It starts on a flat side and turns about its right corner at `spin` rad/s. Returns the
+// angle turned so far.
+// About the corner: (I + m R^2) phi'' = m g R sin phi, phi from upright. When an edge lands, the next corner becomes
+// the pivot. The spin is then multiplied by (I + m R^2 cos(2 pi / n)) / (I + m R^2), or set to 0 if that factor is
+// negative.
 std::vector<Real> rolling(int n, Real spin, Real seconds, long steps_per_sample) {
   const Real radius = 0.5L, g = 10, half = pi / n;
   const Real inertia = radius * radius / 6 * (2 + std::cos(2 * half));  // of 1 kg
@@ -83,7 +86,7 @@ std::vector<Real> rolling(int n, Real spin, Real seconds, long steps_per_sample)
           s = next;
           break;
         }
-        // The landing within this step, by bisection.
+        // Finds the time of landing within this step by bisection.
         Real low = 0, high = left;
         for (int k = 0; k < 80; ++k) {
           const Real middle = (low + high) / 2;

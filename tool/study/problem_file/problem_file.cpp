@@ -1,4 +1,4 @@
-// Reading a problem of one's own.
+// Reads a user's verification problem.
 // SPDX-License-Identifier: MIT
 #include "tool/study/problem_file/problem_file.h"
 
@@ -94,7 +94,7 @@ class ProblemReader final : public OwnFileReader {
   }
 
  private:
-  /// One for all integrators, or [of order 1, of higher order].
+  /// Reads one slope for all integrators, or [of order 1, of higher order].
   bool read_slope(const JsonValue& value, const JsonPath& path, ProblemText& out) {
     if (value.type != JsonValue::Type::array) return read(value, path, out.slope.emplace());
     return pair(value, path, "[of order 1, of higher order]", out.slope.emplace(), out.slope_of_higher.emplace());
@@ -121,7 +121,7 @@ class ProblemReader final : public OwnFileReader {
   }
 };
 
-/// Expressions that several threads use, one at a time.
+/// Expressions that several threads share; one thread uses them at a time.
 struct SharedExpressions {
   std::mutex mutex;
   std::vector<Expression> list;
@@ -189,7 +189,7 @@ class ProblemMaker {
     const bool is_free = scene.settings.solver == engine::SolverKind::free_flight;
     problem.kind = is_free ? ProblemClass::smooth : ProblemClass::joint;
     if (is_free) {
-      // The step of the coarsest run is near that of the scene, and every sample is at the end of a tick.
+      // The coarsest run has about the step of the scene. Every sample is at the end of a tick.
       const double ticks = std::ceil(problem.duration / problem.dt / problem.sample_count);
       problem.step_count = problem.sample_count * static_cast<int>(std::clamp(ticks, 1.0, 1000.0));
       return {};
@@ -283,7 +283,7 @@ class ProblemMaker {
     return {};
   }
 
-  /// A bar for a setting that no point has would always be kept: it is refused.
+  /// Refuses a bar for a setting that no point has, because such a bar could never be missed.
   Status check_bar(const Problem& problem, const Bar& bar) {
     std::vector<std::string> settings;
     for (const Method& method : methods_of(problem)) {

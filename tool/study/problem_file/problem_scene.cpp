@@ -1,4 +1,4 @@
-// Reading the scene of a file of one's own.
+// Reads the scene of a user's problem or stress file.
 // SPDX-License-Identifier: MIT
 #include "tool/study/problem_file/problem_scene.h"
 

@@ -1,4 +1,4 @@
-// Reading of JSON and of the scene, for problems and stress cases of one's own.
+// Reads the JSON parts and the scene that users' problems and stress cases share.
 // SPDX-License-Identifier: MIT
 #pragma once
 
@@ -24,12 +24,12 @@ class OwnFileReader : public engine::JsonReader {
 
  protected:
   bool positive(const engine::JsonValue& value, const engine::JsonPath& path, double& out);
-  /// One text, or several.
+  /// Reads one text, or several.
   bool read_texts(const engine::JsonValue& value, const engine::JsonPath& path, std::vector<std::string>& out);
 };
 
-/// `value` stands under "scene" in `json`, the text of the file: a scene, a file beside this one, or the name of a
-/// built-in scene. Errors: usage; those of parse_scene and of loading a scene.
+/// Reads the scene from `value`, which is under "scene" in `json`, the text of the file. The value is a scene, a path
+/// relative to this file, or the name of a built-in scene. Errors: usage; those of parse_scene and of loading a scene.
 Result<engine::Scene> scene_of_problem(const engine::JsonValue& value, const std::string& json,
                                        const std::string& path);
 

@@ -1,4 +1,4 @@
-// Reading a reference solution, and its values between rows.
+// Reads a table of reference values, and interpolates between its rows.
 // SPDX-License-Identifier: MIT
 #include "tool/study/problem_file/reference_table.h"
 
@@ -18,7 +18,7 @@ std::string_view trimmed(std::string_view text) {
   return text;
 }
 
-/// The numbers of a line. Absent: a cell is no number.
+/// Parses the numbers of a line. Absent if a cell is not a number.
 std::optional<std::vector<double>> numbers_of(std::string_view line) {
   std::vector<double> numbers;
   while (true) {
@@ -46,7 +46,7 @@ Result<ReferenceTable> ReferenceTable::parse(std::string_view text, const std::s
       return Error{ErrorCode::corrupt, place + ":" + std::to_string(number) + ": " + what, ""};
     };
     const auto numbers = numbers_of(line);
-    if (!numbers && number == 1) continue;  // names of columns
+    if (!numbers && number == 1) continue;  // the first line may hold the names of the columns
     if (!numbers || numbers->size() != value_count + 1)
       return wrong("found " + engine::in_quotes(engine::shortened(line)) + ", expected a time and " +
                    std::to_string(value_count) + (value_count == 1 ? " value" : " values"));

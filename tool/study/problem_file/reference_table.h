@@ -1,4 +1,4 @@
-// A reference solution as a table of times and values, from a CSV file.
+// A reference solution: a table of times and values from a CSV file.
 // SPDX-License-Identifier: MIT
 #pragma once
 
@@ -13,14 +13,14 @@ namespace ticktrue::verifier {
 /// Values at ascending times.
 class ReferenceTable {
  public:
-  /// Lines "time, value, ..." with `value_count` values; a first line of names and lines that begin with # are skipped.
-  /// `place` comes first in messages. Errors: corrupt, with the line; limit.
+  /// Parses lines "time, value, ..." with `value_count` values. Skips a first line of names, and lines that begin with
+  /// #. Messages begin with `place`. Errors: corrupt, with the line; limit.
   static Result<ReferenceTable> parse(std::string_view text, const std::string& place, std::size_t value_count);
 
   double first_time() const { return times_.front(); }
   double last_time() const { return times_.back(); }
-  /// Interpolated by the cubic through the four rows around the time, with an error of order 4 in the distance of rows.
-  /// Requires: a time between the first and the last.
+  /// The values at a time, interpolated by the cubic through the four rows around that time. The error is of order 4 in
+  /// the spacing of the rows. Requires: a time between the first and the last.
   std::vector<double> at(double time) const;
 
  private:

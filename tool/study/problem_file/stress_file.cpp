@@ -1,4 +1,4 @@
-// Reading stress cases of one's own.
+// Reads users' stress cases.
 // SPDX-License-Identifier: MIT
 #include "tool/study/problem_file/stress_file.h"
 
@@ -30,7 +30,7 @@ using engine::Scene;
 constexpr std::size_t case_count_max = 1000;
 constexpr double tick_count_max = 1e8;
 
-/// Which of the values of a run counts.
+/// How the values after the ticks of a run become one value.
 enum class Over : std::uint8_t { largest, least, end };
 constexpr std::array<engine::Choice<Over>, 3> overs{{
     {Over::largest, "largest", "the largest after any tick"},
@@ -93,16 +93,16 @@ class StressReader final : public OwnFileReader {
   }
 };
 
-/// What a file asks of each run.
+/// The measure that a file defines for each run.
 struct Measured {
   std::string measure;
-  std::string place;  // of messages
+  std::string place;  // place to name in messages
   Over over = Over::largest;
   double duration = 0;  // s
   double from = 0;      // s
 };
 
-/// The measure after each tick from `from` on; the one that counts.
+/// Runs the scene, and evaluates the measure after each tick from `from` on. Returns the value that `over` selects.
 StressValue run_measured(const Scene& scene, const Measured& measured) {
   StressValue out;
   out.ran_in = scene.settings.precision;
@@ -155,7 +155,7 @@ Status check_run(const Scene& scene, const Measured& measured, StressReader& rea
                          "bodies.3.x is that of the body with id 3; ids count from 0 in the order of the scene");
 }
 
-/// The scene as it is, in this precision.
+/// The name of the method that runs the scene unchanged, in the requested precision.
 constexpr std::string_view as_stated = "scene";
 
 Result<std::vector<StressMethod>> methods_of(const StressText& text, const Scene& scene, StressReader& reader) {
@@ -179,7 +179,7 @@ Result<std::vector<StressMethod>> methods_of(const StressText& text, const Scene
   return chosen;
 }
 
-/// Each scene with each value of the keys that vary, and what stands behind its name.
+/// A scene with one value for each varied key, and the suffix of its name.
 struct VariedScene {
   std::string suffix;
   Scene scene;

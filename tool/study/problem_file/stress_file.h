@@ -1,4 +1,4 @@
-// A stress case of one's own: a scene, what is measured of it, and between what that must stay, in a JSON file.
+// A user's stress case in a JSON file: a scene, a measure, and the bounds of the measured value.
 // SPDX-License-Identifier: MIT
 #pragma once
 
@@ -10,11 +10,11 @@
 
 namespace ticktrue::verifier {
 
-/// The cases of a JSON file (docs/study.md, *Stress cases of one's own*): one, or one for each value that it varies.
+/// Reads the cases of a JSON file (docs/study.md, *Stress cases of one's own*): one case, or one for each varied value.
 /// Errors: io, limit, usage (with the path in the JSON); those of parse_scene, scene_with and Expression::parse.
 Result<std::vector<StressCase>> read_stress_file(const std::string& path);
 
-/// A file to begin with: a stack under a load that varies.
+/// An example file to start from: a stack below a load that varies.
 extern const char* const example_stress;
 
 }  // namespace ticktrue::verifier

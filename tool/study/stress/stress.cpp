@@ -1,4 +1,4 @@
-// Runs the stress cases, judges them, and finds stability limits by bisection.
+// Runs and judges the stress cases, and finds stability limits by bisection.
 // SPDX-License-Identifier: MIT
 #include "tool/study/stress/stress.h"
 
@@ -54,7 +54,7 @@ StudyVerdict judge(const StressCase& stress_case, const StressValue& value) {
 
 namespace {
 
-// Of a method that keeps bounds which others miss.
+// The reason of a row that fails while `method` keeps the bounds.
 std::string passes_with(const StressMethod& method) {
   std::string text = "passes with ";
   if (method.is_measured) return text + "automatic substeps from measured loads";
@@ -67,7 +67,8 @@ std::string passes_with(const StressMethod& method) {
 
 void excuse(std::vector<StressRow>& rows, const StressCase& stress_case) {
   const std::vector<StressMethod>& methods = stress_case.methods;
-  // Other substeps, other loads or direct joints: another integrator excuses nothing.
+  // A row is excused by a method with other substeps, other loads or direct joints, never by a method with another
+  // integrator.
   const auto passing = [&](const StressMethod& missing) -> const StressMethod* {
     for (std::size_t i = 0; i < rows.size(); ++i)
       if (rows[i].verdict == StudyVerdict::pass && !methods[i].is_baseline &&
@@ -106,7 +107,7 @@ void excuse(std::vector<StressRow>& rows, const StressCase& stress_case) {
 
 namespace {
 
-// A case that is run in one precision alone is run once, whatever is asked for.
+// A case with a fixed precision runs once, whatever precisions are requested.
 std::vector<Precision> precisions_of(const StressCase& stress_case, const std::vector<Precision>& wanted) {
   return stress_case.only ? std::vector<Precision>{*stress_case.only} : wanted;
 }
@@ -174,12 +175,12 @@ Result<std::vector<StressRow>> run_stress(const StressOptions& options) {
 
 namespace {
 
-// Largest distance from rest of an oscillator of 1 rad/s in steps of `wh`, at most 1e5; 1 at the start. The far end of
-// the spring is far enough that the line never turns round.
+// Largest distance from rest of an undamped oscillator that takes `step_count` steps of `wh` = w h. The distance is 1
+// at the start, and the run stops at 1e5.
 Result<double> amplitude_after(IntegratorKind kind, Precision precision, double wh, int step_count) {
   engine::Scene scene = worlds::flight(precision, {1, 0}, {0, 0});
   scene.settings.integrator = kind;
-  // Steps are at most 1 s long: stiffness instead of time makes w h.
+  // A step is at most 1 s long, so w h is set by the stiffness and not by the step.
   scene.settings.dt = 0.5;
   engine::Force spring;
   spring.kind = engine::ForceKind::spring;
@@ -201,7 +202,8 @@ Result<double> amplitude_after(IntegratorKind kind, Precision precision, double 
 
 /// The largest w h that is stable: StabilityRow::found.
 Result<double> find_limit(IntegratorKind kind, Precision precision) {
-  // A step at most multiplies by sqrt(1 + w^2 h^2 / 2) what grows at all: 12 after 4000 steps of 0.05.
+  // If the oscillation grows at all, its amplitude grows by at most sqrt(1 + w^2 h^2 / 2) per step: to 12 after 4000
+  // steps of 0.05.
   const Result<double> least = amplitude_after(kind, precision, 0.05, 4000);
   if (!least) return least.error();
   if (*least > 10) return 0.0;

@@ -1,4 +1,4 @@
-// What documents claim of the stress cases: methods that are named as a cure, and where methods fall short.
+// The claims of documents about stress cases: methods named as a cure, and methods that fall short.
 // SPDX-License-Identifier: MIT
 #include <algorithm>
 
@@ -9,7 +9,7 @@ namespace {
 
 using engine::Precision;
 
-/// `cases`: how their names begin.
+/// A method that `place` names as the cure. `cases` is the beginning of the names of the cases.
 struct NamedCure {
   const char* cases;
   const char* method;
@@ -39,7 +39,7 @@ constexpr const char* coarse = "f32 rounds places far from the origin";
 constexpr const char* whirl = "direct joints lose light links that whirl at 50 rad/s";
 constexpr const char* drift = "half of a joint's impulse enters the drift";
 
-/// Misses from `lower` to `upper`.
+/// A method whose misses from `lower` to `upper` are documented.
 struct NamedShortfall {
   const char* cases;
   const char* method;

@@ -333,7 +333,7 @@ void add_bounces(std::vector<StressCase>& cases) {
           rose = rises;
           return true;
         },
-        // A ball that no longer bounces has no apex at all.
+        // A ball that no longer bounces has no apex.
         [&](const Engine&, const Bodies&, const Bodies&) { return highest < 1 ? highest : worst; });
   };
   cases.push_back(std::move(drop));

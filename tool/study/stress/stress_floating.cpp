@@ -1,4 +1,4 @@
-// Stress cases of what turns in empty space and about a fixed point: hubs with rods, and bolas.
+// Stress cases of bodies that rotate in empty space or about a fixed point: a disc with rods, and bolas.
 // SPDX-License-Identifier: MIT
 #include <algorithm>
 #include <cmath>
@@ -19,7 +19,7 @@ using engine::Scene;
 
 constexpr double turn_seconds = 10;
 
-// Turns all moving bodies about the origin as if they were one.
+// Rotates all moving bodies about the origin as one rigid body.
 void spin(Scene& scene, double speed) {
   for (Body& body : scene.bodies) {
     if (body.type != engine::BodyType::dynamic_body) continue;
@@ -28,7 +28,7 @@ void spin(Scene& scene, double speed) {
   }
 }
 
-// A disc of 1 kg and 1 m with rods of 2 m pinned to its rim.
+// A disc of 1 kg and 1 m, with rods of 2 m on its rim, joined by revolute joints.
 Scene hub(Precision precision, int rods, double speed, bool is_pinned) {
   Scene scene = worlds::empty(precision);
   scene.name = "hub";
@@ -52,7 +52,8 @@ Scene hub(Precision precision, int rods, double speed, bool is_pinned) {
   return scene;
 }
 
-// Two balls of 10 kg on a chain of six links of 0.5 m and 0.1 kg. Pinned: the middle of the chain is.
+// Two balls of 10 kg on a chain of six links of 0.5 m and 0.1 kg. If `is_pinned`, a revolute joint holds the middle of
+// the chain.
 Scene bolas(Precision precision, double speed, bool is_pinned) {
   constexpr int links = 6;
   Scene scene = worlds::empty(precision);

@@ -27,7 +27,7 @@ StressCase joint_case(std::string name, std::string what, std::string unit, doub
   return out;
 }
 
-// 1 kg hangs on a spring joint from a peg; it starts `start` m below the peg's end of the relaxed spring of 1 m.
+// 1 kg hangs on a spring joint from a peg. The relaxed spring is 1 m long; the weight starts `start` m below its end.
 Scene hanging_weight(double stiffness, double damping, double start) {
   Scene scene = worlds::empty(Precision::f64);
   scene.bodies = {worlds::peg({0, 0}), worlds::weighted(worlds::disc(0.1), {0, -1 - start}, 1, 0.01)};
@@ -45,7 +45,7 @@ void add_springs(std::vector<StressCase>& cases) {
                                   "of 1", stiffness < 2e6 ? 0.99 : 0, stiffness < 2e6 ? 1.01 : 1.42,
                                   stiffness < 500 ? "0.02; AVBD 0.0005" : "stable, amplitude lost",
                                   "Box2D HEAD after 10 s, section 6 cases 1, 2");
-    keeps.only = Precision::f64;  // sags of 10 nm at 1 m
+    keeps.only = Precision::f64;  // the spring stretches by as little as 10 nm, at 1 m from the origin
     keeps.run = [stiffness, sag](const StressMethod& method, Precision) {
       double first = 0, last = 0;
       int tick = 0;
@@ -60,7 +60,8 @@ void add_springs(std::vector<StressCase>& cases) {
           [&](const Engine&, const Bodies&, const Bodies&) { return last / first; });
     };
     cases.push_back(std::move(keeps));
-    // Beyond, ticks see one phase of a swing of four substeps: all that can be asked is that nothing grows.
+    // The bounds of spring_keeps above 2e6 N/m only ask that the amplitude does not grow: the states after the ticks
+    // show one phase of an oscillation that lasts four substeps.
     StressCase sags = joint_case(
         "spring_sag_" + plain_number(stiffness),
         "1 kg on " + plain_number(stiffness) + " N/m, critically damped, from twice its sag, 10 s: error of the sag",

@@ -1,4 +1,5 @@
-// Stress cases of loads that are not weight: forces, motors, pointers, kinematic plates, each against the same weight.
+// Stress cases of loads other than weight: forces, motors, mouse joints, kinematic plates, each compared with an equal
+// weight.
 // SPDX-License-Identifier: MIT
 #include <cmath>
 
@@ -18,7 +19,7 @@ using engine::Scene;
 
 constexpr double load_seconds = 5;
 
-// A stack under a load, and what acts on it.
+// A stack, its load, and the inputs that make the load.
 struct LoadedStack {
   Scene scene;
   InputsOfTick inputs = {};
@@ -52,7 +53,7 @@ LoadedStack by_input(Precision precision, int count, double force) {
   return out;
 }
 
-// A motor drives the uppermost box down from a peg above it.
+// A motor drives the topmost box down from a peg above the box.
 LoadedStack by_ram(Precision precision, int count, double force) {
   LoadedStack out{worlds::stack(precision, count)};
   const auto top = static_cast<std::uint32_t>(count);
@@ -64,7 +65,7 @@ LoadedStack by_ram(Precision precision, int count, double force) {
   return out;
 }
 
-// A pointer holds the uppermost box (1 kg) and is drawn far below the ground: it pulls as hard as it may.
+// A mouse joint holds the topmost box (1 kg). Its target is far below the ground, so it pulls with its largest force.
 LoadedStack by_pointer(Precision precision, int count, double force) {
   LoadedStack out{worlds::stack(precision, count)};
   out.scene.inputs = {InputKind::press, InputKind::drag, InputKind::release};
@@ -80,7 +81,7 @@ LoadedStack by_pointer(Precision precision, int count, double force) {
   return out;
 }
 
-// A kinematic plate pushes a row of boxes along at 1 m/s, without gravity; drag holds the foremost one back.
+// A kinematic plate pushes a row of boxes at 1 m/s, without gravity. Drag holds back the foremost box.
 LoadedStack by_pusher(Precision precision, int count, double force) {
   LoadedStack out{worlds::empty(precision)};
   out.towards = {-1, 0};
@@ -97,7 +98,7 @@ LoadedStack by_pusher(Precision precision, int count, double force) {
   return out;
 }
 
-// How much nearer the farthest box has come to what carries it, m.
+// How much nearer the last box has come to body 0 (the ground or the plate) along the load, m.
 StressValue squeeze(LoadedStack loaded, const StressMethod& method, int count) {
   const Point towards = loaded.towards;
   const auto top = static_cast<std::size_t>(count);

@@ -62,7 +62,7 @@ void add_integrator_cases(std::vector<StressCase>& cases) {
       "kepler_100",
       "an orbit of eccentricity 0.3, 100 times around, 500 steps each: largest relative error of the energy", "of 1", 0,
       0.01, "symplectic: bounded", "problem 9");
-  orbit.only = Precision::f64;  // 50,000 steps of f32 round by more than the bound
+  orbit.only = Precision::f64;  // rounding in 50,000 steps of f32 exceeds the bound
   orbit.run = [](const StressMethod& method, Precision) {
     Scene scene = worlds::flight(Precision::f64, {0.7, 0}, {0, std::sqrt(1.3 / 0.7)});
     Force force;
@@ -91,7 +91,8 @@ void add_integrator_cases(std::vector<StressCase>& cases) {
                     10, "implicit 1/(1 + h c) form: never reverses", "section 6 case 3, derived");
     if (damping > 100)
       for (StressMethod& method : c.methods) {
-        // Those evaluate damping as a force: c h must stay below their limit, which no scene of 60 Hz keeps here.
+        // These integrators evaluate damping as a force: c h must stay below their limit. No scene at 60 Hz keeps c h
+        // below that limit here.
         const auto kind = method.integrator;
         method.is_baseline = method.is_baseline || kind == engine::IntegratorKind::rk4 ||
                              kind == engine::IntegratorKind::implicit_midpoint ||
@@ -125,7 +126,7 @@ void add_integrator_cases(std::vector<StressCase>& cases) {
   cases.push_back(std::move(spin));
 }
 
-// Scenes that must be refused, each with one thing wrong.
+// Scenes that must be refused, each with one error.
 std::vector<Scene> bad_scenes(Precision precision) {
   const double nan = std::nan(""), inf = std::numeric_limits<double>::infinity();
   std::vector<Scene> bad;
@@ -150,7 +151,7 @@ std::vector<Scene> bad_scenes(Precision precision) {
     add([value](Scene& s) { s.bodies[1].mass = engine::ExplicitMass{value, {}, {}}; });
     add([value](Scene& s) { s.bodies[1].shapes[0].half_size.x = value; });
   }
-  // Triangles: on a line, with a corner twice, with an angle of nothing.
+  // Triangles: collinear corners, a repeated corner, an angle of almost 0.
   add([](Scene& s) { s.bodies[1].shapes[0] = worlds::polygon({{0, 0}, {1, 0}, {2, 0}}); });
   add([](Scene& s) { s.bodies[1].shapes[0] = worlds::polygon({{0, 0}, {1, 0}, {1, 0}}); });
   add([](Scene& s) { s.bodies[1].shapes[0] = worlds::polygon({{0, 0}, {1, 0}, {1, 1e-9}}); });

@@ -1,4 +1,4 @@
-// What all stress cases share: the scene set as a method says, runs, and how far bodies moved.
+// Parts that all stress cases share: setting up a scene by a method, running it, and measuring displacements.
 // SPDX-License-Identifier: MIT
 #include "tool/study/stress/stress_parts.h"
 

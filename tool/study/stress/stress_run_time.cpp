@@ -1,4 +1,4 @@
-// Automatic substeps against 64 fixed ones: piles, presses, thin and jointed things.
+// Automatic substeps against 64 fixed substeps: piles, presses, thin shapes and joints.
 // SPDX-License-Identifier: MIT
 #include "tool/study/stress/stress_run_time.h"
 
@@ -26,7 +26,7 @@ Scene tub(const char* name, double width) {
   return scene;
 }
 
-// Boxes of 1 m in rows, with little room beside each.
+// Boxes of 1 m in rows, with narrow gaps between columns.
 void add_boxes(Scene& scene, int columns, int rows) {
   for (int row = 0; row < rows; ++row)
     for (int i = 0; i < columns; ++i)
@@ -41,7 +41,7 @@ Result<Scene> discs() {
   return engine::make_builtin_scene("circles?columns=7&rows=30");
 }
 
-// A kinematic plate comes down on them at 0.1 m/s.
+// A kinematic plate comes down on the boxes at 0.1 m/s.
 Result<Scene> crusher() {
   Scene scene = tub("crusher", 6.5);
   add_boxes(scene, 6, 10);
@@ -50,7 +50,7 @@ Result<Scene> crusher() {
   return scene;
 }
 
-// A motor of 1e4 N drives a plate down on them.
+// A motor of 1e4 N drives a plate down on the boxes.
 Result<Scene> piston() {
   Scene scene = tub("piston", 10.8);
   add_boxes(scene, 10, 10);
@@ -81,7 +81,7 @@ Result<Scene> figures() {
   return engine::make_builtin_scene("rain?rows=1&columns=6&group=5");
 }
 
-// The smallest way across any shape that moves, m.
+// The smallest width of any moving shape, m.
 double smallest_size(const Scene& scene) {
   double least = HUGE_VAL;
   for (const Body& body : scene.bodies) {

@@ -1,8 +1,8 @@
-// What automatic substeps cost beside 64 fixed ones, measured in turns on one thread.
+// The run time of automatic substeps against 64 fixed substeps, measured in turns on one thread.
 // SPDX-License-Identifier: MIT
 //
-// Reported, never judged: run times are the machine's. How far shapes overlap and joints gape stands beside the time,
-// since a run that gives both up is quick.
+// Results are reported and never judged, because run times depend on the machine. Overlaps and joint gaps stand beside
+// the run time, because a run is quick if it neglects both.
 #pragma once
 
 #include <cstdint>
@@ -27,27 +27,27 @@ struct RunTimeRow {
   std::string scene;
   std::string what;
   engine::Precision precision = engine::Precision::f32;
-  std::uint64_t tick_count = 0;  // done by each
+  std::uint64_t tick_count = 0;  // ticks of each of the two runs
   double automatic_s = 0;        // CPU time of all ticks
-  double fixed_s = 0;            // the same with 64 substeps
-  double worst_ratio = 0;        // of a window of `run_time_window` ticks
+  double fixed_s = 0;            // CPU time of all ticks with 64 substeps
+  double worst_ratio = 0;        // the largest ratio in a window of `run_time_window` ticks
   int substeps_most = 0;
-  std::uint64_t ticks_at_most = 0;  // in which an island had as many substeps as the scene allows
-  double overlap = 0;               // deepest after any window, of the smallest size in the scene
-  double gap = 0;                   // widest after any window, m
+  std::uint64_t ticks_at_most = 0;  // ticks in which an island used the largest count that the scene allows
+  double overlap = 0;               // deepest overlap after any window, relative to the smallest shape
+  double gap = 0;                   // largest joint gap after any window, m
   double ratio() const { return fixed_s > 0 ? automatic_s / fixed_s : 0; }
 };
 
-inline constexpr std::uint64_t run_time_window = 10;  // ticks of one before the other's turn
+inline constexpr std::uint64_t run_time_window = 10;  // ticks of one run before the turn of the other
 
 struct RunTimeOptions {
-  std::vector<std::string> names;  // of scenes, or how they begin; empty: all
+  std::vector<std::string> names;  // names of scenes, or their beginnings; empty: all
   std::vector<engine::Precision> precisions{engine::Precision::f32};
   std::uint64_t tick_count = 300;
-  double seconds_max = 20;  // of CPU time: a scene that has taken as long ends with the window
-  std::function<void(std::uint64_t done, std::uint64_t total)> progress;  // ticks of all scenes
+  double seconds_max = 20;  // CPU time: a scene ends after the window that reaches this time
+  std::function<void(std::uint64_t done, std::uint64_t total)> progress;  // counts ticks of all scenes
 };
-/// Errors: usage (no scene has that name); those of Simulation::step.
+/// Errors: usage (no scene has this name); those of Simulation::step.
 Result<std::vector<RunTimeRow>> run_times(const RunTimeOptions& options);
 
 }  // namespace ticktrue::verifier

@@ -1,4 +1,4 @@
-// Stress cases of every integrator with joints of every rigid kind: energy gained in 60 s.
+// Stress cases of every integrator with each rigid kind of joint: energy gained in 60 s.
 // SPDX-License-Identifier: MIT
 #include <algorithm>
 #include <cmath>
@@ -16,7 +16,8 @@ using engine::Point;
 using engine::Precision;
 using engine::Scene;
 
-// A mechanism that gravity swings for ever, and the energy of its swing: from its highest to its lowest place, J.
+// A mechanism that swings under gravity without loss. `swing` is the energy difference between its highest and lowest
+// position, J.
 struct Mechanism {
   Scene scene;
   double swing = 0;
@@ -29,7 +30,7 @@ Mechanism empty_mechanism(Precision precision) {
   return out;
 }
 
-// A box of 1 kg that hangs 1 m below what it hangs from, turned to 60 degrees.
+// A box of 1 kg on an arm of 1 m below the origin, turned to 60 degrees.
 Body swung_box() {
   Body body = worlds::weighted(worlds::box(0.1, 0.1), {std::sin(engine::pi / 3), -0.5}, 1);
   body.angle = engine::pi / 3;
@@ -52,7 +53,7 @@ Mechanism on_distance(Precision precision) {
   return out;
 }
 
-// The box hangs on a second one, which is pinned.
+// The box is welded to a second box, which hangs on a revolute joint.
 Mechanism on_weld(Precision precision) {
   Mechanism out = empty_mechanism(precision);
   out.scene.bodies.push_back(swung_box());
@@ -65,14 +66,14 @@ Mechanism on_weld(Precision precision) {
   return out;
 }
 
-// A rod of 2 m whose ends slide on the two axes, from 30 degrees above level.
+// A rod of 2 m whose ends slide on the two axes. It starts at 30 degrees above level.
 Body trammel_rod() {
   Body rod = worlds::weighted(worlds::box(1, 0.05), {std::cos(engine::pi / 6), std::sin(engine::pi / 6)}, 1);
   rod.angle = -engine::pi / 6;  // from (0, 1) to (1.73, 0)
   return rod;
 }
 
-// Its ends are pinned to blocks, which are on sliders.
+// Revolute joints connect the ends of the rod to blocks on prismatic joints.
 Mechanism on_prismatic(Precision precision) {
   Mechanism out = empty_mechanism(precision);
   out.scene.bodies.push_back(trammel_rod());
@@ -82,7 +83,7 @@ Mechanism on_prismatic(Precision precision) {
                       worlds::joint(JointKind::revolute, 2, 1, {}, {-1, 0}),
                       worlds::joint(JointKind::revolute, 3, 1, {}, {1, 0})};
   out.scene.joints[0].axis = {0, 1};
-  out.swing = 10 * (1 + 2) + 10 * (0.5 + 1);  // at its lowest the rod hangs from the level axis
+  out.swing = 10 * (1 + 2) + 10 * (0.5 + 1);  // at the lowest position the rod hangs from the level axis
   return out;
 }
 
@@ -96,7 +97,8 @@ Mechanism on_wheel(Precision precision) {
   return out;
 }
 
-// A weight that swings by half a radian, and one that just balances its mean pull: 1 + 0.5^2 / 4 of it.
+// A weight swings by half a radian. A counterweight balances the mean pull of the first weight: 1 + 0.5^2 / 4 times its
+// mass.
 Mechanism on_pulley(Precision precision) {
   Mechanism out = empty_mechanism(precision);
   const engine::SinCos lean = engine::sin_cos(0.5);

@@ -1,4 +1,5 @@
-// Stress cases of small bodies and of places far from the origin: stacks and heaps of 1 mm to 1 m, to 1e6 m away.
+// Stress cases of small bodies and of places far from the origin: stacks and heaps of bodies from 1 mm to 1 m, up to
+// 1e6 m away.
 // SPDX-License-Identifier: MIT
 #include <algorithm>
 #include <cmath>
@@ -19,7 +20,7 @@ void move_all(Scene& scene, Point way) {
   for (engine::Body& body : scene.bodies) body.position = {body.position.x + way.x, body.position.y + way.y};
 }
 
-// A stack against the same stack at the origin.
+// A stack far from the origin against the same stack at the origin.
 void add_far_stacks(std::vector<StressCase>& cases) {
   for (const double far : {1e3, 1e4, 1e5, 1e6}) {
     StressCase c =
@@ -45,7 +46,7 @@ void add_far_stacks(std::vector<StressCase>& cases) {
   }
 }
 
-// Twenty-four boxes of `size` m that fall crosswise into a tub, all of it moved by `way`.
+// Twenty-four boxes of `size` m fall crosswise into a tub. The whole scene is displaced by `way`.
 Scene heap(Precision precision, double size, Point way) {
   Scene scene = worlds::empty(precision);
   scene.name = "heap";
@@ -84,7 +85,7 @@ void add_heaps(std::vector<StressCase>& cases) {
                       });
     };
     cases.push_back(std::move(overlap));
-    // What is faster never sleeps.
+    // A body faster than speed_max never sleeps.
     StressCase rest =
         make_case("heap_rest_" + plain_number(place.size) + where, what + "fastest body in the last of them", "m/s", 0,
                   engine::SleepSettings().speed_max, contact_methods());
