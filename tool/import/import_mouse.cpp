@@ -1,4 +1,4 @@
-// Reads mouse sessions line by line: once for the size of the screen, once for the inputs.
+// Reads a mouse session line by line: one pass finds the size of the screen, one pass makes the inputs.
 // SPDX-License-Identifier: MIT
 // Source: Fülöp, Kovács, Kurics, Windhager-Pokol, "Balabit Mouse Dynamics Challenge data set", 2016 (the format).
 #include "tool/import/import_mouse.h"
@@ -26,7 +26,7 @@ constexpr double screen_max = 65535;  // px; the limit of the format
 constexpr std::size_t line_size_max = 1024;
 
 struct Row {
-  double time_s = 0;  // of the client: when the event happened, not when it was recorded
+  double time_s = 0;  // time of the event by the client's clock, not the time of its recording
   std::string_view button;
   std::string_view state;
   double x = 0;  // px, from the left
@@ -34,7 +34,7 @@ struct Row {
   bool has_position() const { return x != unknown_position && y != unknown_position; }
 };
 
-/// At most 40 bytes of the text, safe to print.
+/// At most 40 bytes of the text, with unprintable characters replaced.
 std::string found_text(std::string_view text) {
   std::string out = "\"";
   for (const char c : text.substr(0, 40)) out += c >= 0x20 && c < 0x7f ? c : '?';
@@ -56,7 +56,7 @@ bool contains(const std::array<std::string_view, count>& names, std::string_view
   return false;
 }
 
-/// Reads the rows of a session one after another.
+/// Reads the rows of a session in order.
 class SessionReader {
  public:
   SessionReader(std::string_view csv, const std::string& source) : rest_(csv), source_(source) {}
@@ -152,7 +152,7 @@ class SessionReader {
   double last_s_ = 0;
 };
 
-/// Turns rows into inputs, in the order they come.
+/// Turns rows into inputs, in the order of the rows.
 class InputCollector {
  public:
   InputCollector(double dt, bool right_presses, Point screen, const Bounds& window)
@@ -162,7 +162,7 @@ class InputCollector {
     tick_ = static_cast<std::uint64_t>(row.time_s / dt_);
     const bool presses = row.button == "Left" || (right_presses_ && row.button == "Right");
     if (presses && row.state == "Pressed" && row.has_position()) {
-      // A missing release is inserted, so that presses and releases alternate.
+      // If a release is missing, one is inserted, so that presses and releases alternate.
       if (!held_button_.empty()) add(InputKind::release, nullptr);
       held_button_ = row.button == "Left" ? "Left" : "Right";
       add(InputKind::press, &row);
@@ -170,7 +170,7 @@ class InputCollector {
       held_button_ = {};
       add(InputKind::release, nullptr);
     } else if (row.state == "Drag" && !held_button_.empty() && row.has_position()) {
-      // Of the drags in one tick only the last can matter.
+      // A tick keeps only its last drag, because later drags override earlier ones.
       const bool replaces = !inputs_.empty() && inputs_.back().tick == tick_ && inputs_.back().kind == InputKind::drag;
       if (replaces)
         place(inputs_.back(), row);
@@ -187,7 +187,7 @@ class InputCollector {
 
  private:
   void place(Input& input, const Row& row) const {
-    // The middle of a pixel; on a screen y grows downwards.
+    // The centre of the pixel. The y axis of a screen points down.
     input.values[0] = window_.lower.x + (row.x + 0.5) / screen_.x * (window_.upper.x - window_.lower.x);
     input.values[1] = window_.upper.y - (row.y + 0.5) / screen_.y * (window_.upper.y - window_.lower.y);
   }
@@ -203,10 +203,10 @@ class InputCollector {
 
   double dt_;
   bool right_presses_;
-  Point screen_;  // px
+  Point screen_;  // px, size of the screen
   Bounds window_;
   std::uint64_t tick_ = 0;
-  std::string_view held_button_;  // empty: none
+  std::string_view held_button_;  // empty: no button is held
   std::vector<Input> inputs_;
 };
 
@@ -229,7 +229,7 @@ Result<std::vector<Input>> import_mouse(std::string_view csv, const std::string&
   if (options.window && scene.pointer) window = *options.window;
   if (!window) return window.error();
 
-  // The format does not state the size of the screen: it is taken from the largest coordinates.
+  // The format does not state the size of the screen, so the largest coordinates stand for it.
   Point screen{1, 1};
   {
     SessionReader reader(csv, source);

@@ -1,9 +1,9 @@
 // Reads the JSON that R.U.B.E. exports: world, bodies with fixtures, joints.
 // SPDX-License-Identifier: MIT
-// Source: Campbell, "R.U.B.E. JSON structure", iforce2d.net/rube/json-structure, 2011 to 2017 (the format);
-// Catto, Box2D manual 2.3 (what the values mean).
+// Source: Campbell, "R.U.B.E. JSON structure", iforce2d.net/rube/json-structure, 2011 to 2017 (the format); Catto,
+// Box2D manual 2.3 (the meaning of the values).
 //
-// Invalid values stop the import: reading functions store the first error in `error_` and then return zeros.
+// An invalid value stops the import: the reading functions store the first error in `error_`, and then return zeros.
 #include "tool/import/import_rube.h"
 
 #include <algorithm>
@@ -36,17 +36,17 @@ using engine::Shape;
 using engine::ShapeKind;
 
 constexpr std::size_t depth_max = 16;                 // a vertex's coordinate is at depth 8
-constexpr std::size_t value_count_max = 4'000'000;    // of a file; 64 bytes each once read
+constexpr std::size_t value_count_max = 4'000'000;    // of a file; each value needs 64 bytes in memory
 constexpr std::size_t polygon_point_count_max = 256;  // before cleaning
 constexpr std::size_t found_size_max = 40;            // bytes of a text quoted in a message
 constexpr double weld_distance = 0.0025;              // m; Box2D merges polygon vertices closer than half its slop
-constexpr double chain_distance = 0.005;              // m; Box2D allows no chain points closer than its slop
+constexpr double chain_distance = 0.005;              // m; Box2D refuses chain points closer than its slop
 constexpr double skin = 0.0075;                       // m; half of the gap that Box2D leaves between resting polygons
-constexpr double density_min = 1e-9;                  // kg/m^2; stands for the format's 0
-constexpr double default_correction = 0.3;            // of a motor joint's error, each step; Box2D's own default
-constexpr double tiny_radius = 0.01;                  // m, of the sensor that a body without shapes gets
+constexpr double density_min = 1e-9;                  // kg/m^2; replaces a density of 0 in the file
+constexpr double default_correction = 0.3;  // share of a motor joint's error removed per step; Box2D's default
+constexpr double tiny_radius = 0.01;        // m, of the sensor that replaces missing shapes of a body
 
-// Keys that an exporter writes and an import does not need: names of layers, settings of Box2D's solver.
+// Keys that an exporter writes and the import ignores: names of layers, settings of Box2D's solver.
 constexpr std::array<std::string_view, 8> world_keys_without_effect{
     "collisionbitplanes", "autoClearForces", "positionIterations", "velocityIterations",
     "warmStarting",       "subStepping",     "allowSleep",         "contactListener"};
@@ -73,7 +73,7 @@ Point rotated(double angle, const Point& p) {
   return {c * p.x - s * p.y, s * p.x + c * p.y};
 }
 
-/// A JSON value and where it stands.
+/// A JSON value and its path.
 struct Place {
   const Json* value;
   std::string path;
@@ -179,7 +179,7 @@ class Importer {
     if (++note_count_ <= rube_note_count_max) out_.notes.push_back(std::move(text));
   }
 
-  /// A number, or a text that holds the bits of a 32-bit float as eight hexadecimal digits.
+  /// A number, or a text with the bits of a 32-bit float as eight hexadecimal digits.
   double to_number(const Place& at) {
     if (at.value->is_number()) {
       const double number = at.value->get<double>();
@@ -211,7 +211,7 @@ class Importer {
     if (!at.value->is_boolean()) refuse(at, "true or false");
     return at.value->is_boolean() && at.value->get<bool>();
   }
-  /// A whole number within limits.
+  /// An integer within limits.
   std::int64_t whole(const Place& object, const char* key, std::int64_t min, std::int64_t max, std::int64_t missing) {
     use(object, key);
     if (!object.has(key)) return missing;
@@ -285,7 +285,7 @@ class Importer {
     return out;
   }
 
-  /// Each element of the list must be an object; otherwise the error is stored.
+  /// The name of a body or joint. Stores an error if the value is not an object.
   std::string name_of(const Place& at) {
     if (!at.value->is_object()) {
       refuse(at, "an object");
@@ -362,7 +362,7 @@ class Importer {
     if (error_) return;
     if (body.shapes.empty()) add_placeholder(at, body);
     read_mass(at, body);
-    // Box2D takes the velocity of the body's origin; a scene states the velocity of the centre of mass.
+    // Box2D states the velocity of the body's origin, and a scene the velocity of the centre of mass.
     if (!is_static) {
       const Point arm = rotated(body.angle, center_of(at, body));
       body.velocity = {velocity.x - body.angular_velocity * arm.y, velocity.y + body.angular_velocity * arm.x};
@@ -388,10 +388,10 @@ class Importer {
     shape.material.friction = number(at, "friction");
     shape.material.restitution = number(at, "restitution");
     shape.sensor = flag(at, "sensor");
-    // 16 bits each in the format. Exporters that treat them as signed write -1 where all bits are set.
+    // The format has 16 bits each. An exporter that treats the bits as signed writes -1 if all bits are set.
     shape.filter.category = static_cast<std::uint32_t>(whole(at, "filter-categoryBits", -32768, 65535, 1)) & 0xffffu;
     const auto mask = static_cast<std::uint32_t>(whole(at, "filter-maskBits", -32768, 65535, 65535)) & 0xffffu;
-    shape.filter.mask = mask == 0xffffu ? engine::Filter{}.mask : mask;  // every category
+    shape.filter.mask = mask == 0xffffu ? engine::Filter{}.mask : mask;  // a full mask means every category
     shape.filter.group = static_cast<std::int32_t>(whole(at, "filter-groupIndex", -32768, 32767, 0));
     for (const char* key : {"circle", "polygon", "chain"}) use(at, key);
     if (at.has("circle")) {
@@ -419,7 +419,7 @@ class Importer {
 
   void read_polygon(const Place& at, Shape& shape) {
     shape.kind = ShapeKind::polygon;
-    shape.radius = skin;  // editors save bodies at rest, a skin apart
+    shape.radius = skin;  // editors save resting bodies one skin apart
     shape.vertices = points(at, polygon_point_count_max);
     if (error_) return;
     const std::size_t count = shape.vertices.size();
@@ -432,7 +432,8 @@ class Importer {
          std::to_string(shape.vertices.size()) + " are corners");
   }
 
-  /// The corners of the convex hull. Box2D merges near vertices, and leaves out vertices on an edge or inside.
+  /// The corners of the convex hull. Like Box2D, merges close vertices, and drops vertices on an edge or inside the
+  /// hull.
   static std::vector<Point> cleaned(const std::vector<Point>& vertices) {
     std::vector<Point> rest;
     double extent = 0;
@@ -443,7 +444,7 @@ class Importer {
         rest.push_back(p);
     std::sort(rest.begin(), rest.end(),
               [](const Point& a, const Point& b) { return a.x < b.x || (a.x == b.x && a.y < b.y); });
-    // Monotone chain (Andrew, 1979). A corner stands out from the line between its neighbours.
+    // Monotone chain (Andrew, 1979). A vertex is a corner if it stands out from the line between its neighbours.
     std::vector<Point> hull;
     const auto add = [&](const Point& p, std::size_t count_min) {
       while (hull.size() > count_min) {
@@ -462,8 +463,8 @@ class Importer {
     return hull;
   }
 
-  /// Lines of Box2D 2.3, which the format comes from, have two sides: two points are a segment, more are a chain and
-  /// the same chain backwards.
+  /// Lines of Box2D 2.3, the origin of the format, have two sides. Two points become a segment. More points become a
+  /// chain and a second chain in reverse order.
   void read_chain(const Place& at, Shape& shape, Body& body) {
     const std::vector<Point> given = points(at, limits::chain_vertex_count_max + 1);
     if (error_) return;
@@ -494,7 +495,8 @@ class Importer {
     body.shapes.push_back(std::move(shape));
   }
 
-  /// A body of a scene has shapes. A body of the format may have none: it holds a joint.
+  /// Gives a body without shapes a small sensor. The format allows bodies without shapes, to hold joints; a scene does
+  /// not.
   void add_placeholder(const Place& at, Body& body) {
     Shape shape;
     shape.radius = tiny_radius;
@@ -515,7 +517,7 @@ class Importer {
       body.mass.emplace();
       body.mass->mass = mass;
       body.mass->center = center;
-      // The file states the inertia about the body's origin, a scene about the centre of mass (parallel axes).
+      // The file states the inertia about the body's origin, and a scene about the centre of mass (parallel axes).
       const double inertia = inertia_of_origin - mass * (center.x * center.x + center.y * center.y);
       if (inertia > 0 && !body.fixed_rotation) body.mass->inertia = inertia;
       if (inertia <= 0 && inertia_of_origin > 0 && !body.fixed_rotation)
@@ -524,7 +526,7 @@ class Importer {
     }
     for (const Shape& shape : body.shapes)
       if (shape.kind <= ShapeKind::polygon && shape.density > density_min) return;
-    // As in Box2D: a dynamic body without mass gets 1 kg and does not turn.
+    // As in Box2D, a dynamic body without mass gets 1 kg and a fixed rotation.
     body.mass = engine::ExplicitMass{1, {}, Point{}};
     body.fixed_rotation = true;
     note("changed: " + label(at) + ": has no mass, gets 1 kg and does not turn");
@@ -570,7 +572,7 @@ class Importer {
     joint.collide_connected = flag(at, "collideConnected");
     joint.anchor_a = point(at, "anchorA");
     joint.anchor_b = point(at, "anchorB");
-    use(at, "jointSpeed");  // the last speed of the joint, no setting
+    use(at, "jointSpeed");  // the last speed of the joint is not a setting
 
     if (type == "revolute")
       read_revolute(at, joint);
@@ -603,7 +605,7 @@ class Importer {
     const double lower = number(at, "lowerLimit");
     const double upper = number(at, "upperLimit");
     if (!flag(at, "enableLimit")) return;
-    // A limit that the file leaves out is 0.
+    // A limit that is missing in the file is 0.
     if (lower > upper && at.has("lowerLimit"))
       refuse(at.at("lowerLimit"), "at most upperLimit: " + engine::number_text(upper));
     else if (lower > upper)
@@ -621,7 +623,7 @@ class Importer {
     joint.axis = point(at, key);
     if (!error_ && !(distance(joint.axis, {}) > 0)) fail(ErrorCode::invalid_scene, at, "found no axis of a length");
   }
-  /// In Box2D a frequency of 0 means no spring.
+  /// In Box2D, a frequency of 0 means no spring.
   void read_spring(const Place& at, const char* frequency_key, const char* ratio_key, Joint& joint) {
     JointSpring spring;
     spring.hertz = number(at, frequency_key);
@@ -629,8 +631,8 @@ class Importer {
     if (spring.hertz > 0) joint.spring = spring;
   }
 
-  /// Box2D computes the stiffness of these springs from masses and inertias. `hertz` of a scene also depends on the
-  /// distance of the anchor from the centre of mass.
+  /// Box2D derives the stiffness of this spring from masses and inertias. `hertz` in a scene also depends on the
+  /// distance of the anchor from the centre of mass, so the spring gets absolute values.
   JointSpring absolute_spring(const JointSpring& spring, double inertia) const {
     const double omega = 2 * engine::pi * spring.hertz;
     return {true, 0, 0, inertia * omega * omega, 2 * spring.damping_ratio * omega * inertia};
@@ -677,7 +679,7 @@ class Importer {
   }
   void read_motor_joint(const Place& at, Joint& joint) {
     joint.kind = JointKind::motor;
-    joint.offset = std::exchange(joint.anchor_a, {});  // the format has the offset under this key
+    joint.offset = std::exchange(joint.anchor_a, {});  // the format stores the offset under this key
     joint.anchor_b = {};
     joint.angle_offset = number(at, "refAngle");
     joint.force_max = number(at, "maxForce");
@@ -685,8 +687,8 @@ class Importer {
     const double factor = number(at, "correctionFactor", default_correction);
     if (error_) return;
     if (!(factor > 0 && factor <= 1)) return refuse(at.at("correctionFactor"), "above 0, at most 1");
-    // Each step removes this share of the error. An overdamped spring does the same: it returns at the rate
-    // omega / (2 damping_ratio), which is to be factor / dt.
+    // Each step removes the share `factor` of the error. An overdamped spring returns at the rate omega / (2
+    // damping_ratio), which is set to factor / dt.
     const double hertz = 1 / out_.scene.settings.dt;
     joint.spring = JointSpring{false, hertz, engine::pi / factor, 0, 0};
   }
@@ -698,7 +700,7 @@ class Importer {
     joint.force_max = number(at, "maxForce");
     joint.torque_max = number(at, "maxTorque");
   }
-  /// Box2D grips B at the point where the target is when the joint is made.
+  /// Box2D grips B at the point where the target is when the joint is created.
   void read_mouse(const Place& at, Joint& joint) {
     const Body& body = out_.scene.bodies[joint.body_b];
     joint.kind = JointKind::target;
@@ -717,7 +719,7 @@ class Importer {
   RubeImport out_;
   UniqueNames body_names_;
   UniqueNames joint_names_;
-  std::vector<std::optional<std::uint32_t>> body_ids_;  // [place in the file] in the scene; none: left out
+  std::vector<std::optional<std::uint32_t>> body_ids_;  // [index in the file]: index in the scene; absent: left out
   std::set<std::pair<const Json*, std::string>> used_;
   std::map<std::string, std::size_t> ignored_;
   std::size_t note_count_ = 0;

@@ -1,4 +1,4 @@
-// The model: think, point, press, hold or drag, release.
+// The steps of the model: think, point, press, hold or drag, release.
 // SPDX-License-Identifier: MIT
 // Source: Flash and Hogan, "The coordination of arm movements", 1985 (minimum-jerk path of a hand); Fitts, "The
 // information capacity of the human motor system", 1954 (longer distances take longer).
@@ -17,16 +17,16 @@ using engine::Input;
 using engine::InputKind;
 using engine::Point;
 
-constexpr double seconds_max = 100'000;  // a day
+constexpr double seconds_max = 100'000;  // more than a day
 constexpr std::uint64_t drag_one_in = 6;
 constexpr double think_min_s = 0.25, think_max_s = 1.35;
 constexpr double hold_min_s = 0.06, hold_max_s = 0.16;
 constexpr double report_interval_s = 0.016;
-constexpr double drag_min_s = 0.4, drag_per_window_s = 1.2;  // added for a distance of the whole window
-// Where people point, in parts of the window: not at the edge. Drags begin low in the window, where the bodies lie.
+constexpr double drag_min_s = 0.4, drag_per_window_s = 1.2;  // s; the second is for a distance of the whole window
+// Presses fall into this part of the window, away from its edge. Drags begin low in the window, where the bodies are.
 constexpr double edge = 0.08, lying_height = 0.3;
 
-/// Progress (0..1) of a hand when the share t of the time has passed: slow, fast, slow.
+/// Progress (0..1) of a hand at the share t of the time: slow, fast, slow.
 double minimum_jerk(double t) {
   return t * t * t * (10 + t * (-15 + 6 * t));
 }
@@ -49,7 +49,7 @@ class Person {
       add(InputKind::release, time_s, {});
       time_s += random_.real(think_min_s, think_max_s);
     }
-    // Inputs behind the end are left out.
+    // Inputs after the end are dropped.
     while (!inputs_.empty() && inputs_.back().tick >= last_tick) inputs_.pop_back();
     Input end;
     end.tick = last_tick;
@@ -61,7 +61,7 @@ class Person {
  private:
   std::uint64_t tick_of(double time_s) const { return static_cast<std::uint64_t>(time_s / dt_); }
 
-  /// Drags along the path, as often as a mouse reports. Returns the time at the end.
+  /// Adds drags along the path, at the report rate of a mouse. Returns the time at the end.
   double drag(const Point& from, double start_s, std::uint64_t last_tick) {
     const double x = random_.real(edge, 1 - edge);
     const double y = random_.real(lying_height, 1 - edge);
@@ -74,7 +74,7 @@ class Person {
       if (tick_of(time_s) >= last_tick) break;
       const double progress = minimum_jerk(part);
       const Point to{from.x + progress * way.x, from.y + progress * way.y};
-      // Of the drags in one tick only the last can matter.
+      // A tick keeps only its last drag, because later drags override earlier ones.
       if (inputs_.back().kind == InputKind::drag && inputs_.back().tick == tick_of(time_s))
         place(inputs_.back(), to);
       else
@@ -83,7 +83,7 @@ class Person {
     return start_s + duration_s + random_.real(hold_min_s, hold_max_s);
   }
 
-  /// `part`: share of the window's width and height, from its lower left corner.
+  /// `part`: share of the width and height of the window, from its lower left corner.
   void place(Input& input, const Point& part) const {
     input.values[0] = window_.lower.x + part.x * (window_.upper.x - window_.lower.x);
     input.values[1] = window_.lower.y + part.y * (window_.upper.y - window_.lower.y);

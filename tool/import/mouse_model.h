@@ -1,4 +1,4 @@
-// A seeded model of a person's clicks and drags: a mouse session that anyone can make again.
+// A seeded model of a person's clicks and drags: a mouse session that anyone can reproduce.
 // SPDX-License-Identifier: MIT
 #pragma once
 
@@ -11,9 +11,9 @@
 
 namespace ticktrue::verifier {
 
-/// About one press a second, one in six of them followed by a drag; ends with `end`. The same seed gives the same
-/// inputs on every platform. docs/scenes.md, "Mouse sessions", describes the model.
-/// Errors: incompatible (the scene has no pointer), usage (no window; seconds not in 0..100'000).
+/// About one press a second; one press in six starts a drag. The session ends with `end`. The same seed gives the same
+/// inputs on every platform. docs/scenes.md, "Mouse sessions", describes the model. Errors: incompatible (the scene has
+/// no pointer), usage (no window; seconds not in 0..100'000).
 Result<std::vector<engine::Input>> model_mouse_session(const engine::Scene& scene, std::uint64_t seed, double seconds);
 
 }  // namespace ticktrue::verifier
