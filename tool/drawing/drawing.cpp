@@ -1,4 +1,4 @@
-// Outlines from scenes, poses from columns.
+// Makes outlines from scenes, and reads poses from columns.
 // SPDX-License-Identifier: MIT
 #include "tool/drawing/drawing.h"
 
@@ -50,7 +50,7 @@ T read_as(const std::uint8_t* at) {
   return value;
 }
 
-/// A lane in the machine's byte order; other types than a column can have here give 0.
+/// A lane in the machine's byte order. A type that no drawn column has gives 0.
 double lane(const std::uint8_t* row, const Column& column, std::size_t index) {
   const std::uint8_t* at = row + column.offset;
   if (column.type == ScalarType::f32) return static_cast<double>(read_as<float>(at + 4 * index));

@@ -1,8 +1,8 @@
 // The drawable content of a state: an outline for each shape and a pose for each body.
 // SPDX-License-Identifier: MIT
 //
-// Outlines belong to the scene (a body, or a prototype) and are in the body's frame. Poses are read from the columns of
-// a state, so that what is drawn and what is hashed are the same bytes.
+// Outlines belong to a description in the scene (a body or a prototype) and are in the body's frame. Poses come from
+// the columns of a state, so the drawn bytes are the hashed bytes.
 #pragma once
 
 #include <array>
@@ -17,18 +17,19 @@
 
 namespace ticktrue::verifier {
 
-/// A shape, all kinds in one form: everything within `radius` of the points and of what lies between them.
+/// A shape of any kind in one form: all places within `radius` of the points and of the area or line between the
+/// points.
 struct Outline {
   std::vector<engine::Point> points;  // in the body's frame, m. An area: circle 1, capsule 2, else 3 or more,
                                       // counter-clockwise and convex. A line: in order
   double radius = 0;                  // m; 0: sharp corners, or a line without width
   bool is_line = false;               // segment, chain: from point to point, without an inside
   bool is_closed = false;             // of a line: the last point joins the first
-  bool is_sensor = false;             // touches nothing
+  bool is_sensor = false;             // never touches
   bool operator==(const Outline&) const = default;
 };
 
-/// The shapes and constants of all bodies made from one description.
+/// The shapes and constants of all bodies from one description.
 struct Figure {
   std::string name;  // of the body or prototype; may be empty
   bool is_prototype = false;
@@ -50,10 +51,10 @@ struct DrawnBody {
   double sin = 0;               // of its angle
   engine::Point velocity;       // of the centre of mass, m/s
   double angular_velocity = 0;  // rad/s
-  bool is_finite = true;        // false: position or rotation are not, there is nothing to draw
+  bool is_finite = true;        // false: position or rotation is not finite, and the body is not drawn
 };
 
-/// Reads what can be drawn from states of one scene.
+/// Reads the drawable content of states of one scene.
 class Drawing {
  public:
   /// `schema`: of an engine made from the scene. Requires: check_scene(scene).
@@ -62,16 +63,16 @@ class Drawing {
   Drawing(Drawing&&) noexcept = default;
   Drawing& operator=(Drawing&&) noexcept = default;
 
-  /// One for each body of the scene, then one for each prototype.
+  /// The figures of the scene's bodies, then those of the prototypes.
   const std::vector<Figure>& figures() const { return figures_; }
 
-  /// The bodies in the order of their rows. Replaces `out`. A row of no known description is left out.
+  /// The bodies in the order of their state rows. Replaces `out`. Omits a state row without a known description.
   void read(const StateView& state, std::vector<DrawnBody>& out) const;
 
-  /// Gravity in the state, which inputs may change; m/s^2.
+  /// Gravity of the state, m/s^2; inputs may change it.
   engine::Point gravity(const StateView& state) const;
 
-  /// What people and reports call it: "crate_7"; spawned bodies: "<prototype>#<id>".
+  /// The name of a body for people and reports: "crate_7". A spawned body is "<prototype>#<id>".
   std::string name(const DrawnBody& body) const;
 
  private:
@@ -81,13 +82,13 @@ class Drawing {
   std::array<const Column*, 6> columns_{};  // id, source, position, rotation, velocity, angular_velocity
   const Column* gravity_ = nullptr;
   std::size_t body_row_size_ = 0;
-  StateSchema schema_;  // what the columns above are of
+  StateSchema schema_;  // the schema that `columns_` points into
 };
 
 /// The outline of a shape. Requires: a valid shape.
 Outline outline_of(const engine::Shape& shape);
 
-/// A point of the body's frame in the world, m.
+/// A point of the body's frame in world coordinates, m.
 engine::Point to_world(const DrawnBody& body, const Figure& figure, const engine::Point& local);
 
 }  // namespace ticktrue::verifier

@@ -1,4 +1,4 @@
-// Gaps and lines of joints in the world.
+// Gaps and drawn lines of joints, in world coordinates.
 // SPDX-License-Identifier: MIT
 #include "tool/drawing/joint_geometry.h"
 

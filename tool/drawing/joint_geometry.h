@@ -1,4 +1,4 @@
-// Gaps and lines of joints in the world, from poses in f64: one row for each kind.
+// Gaps and drawn lines of joints in world coordinates, from poses in f64: one table row for each kind.
 // SPDX-License-Identifier: MIT
 #pragma once
 
@@ -8,11 +8,11 @@
 
 namespace ticktrue::verifier {
 
-/// Places of a joint in the world.
+/// Anchors and axis of a joint in world coordinates.
 struct JointPlaces {
-  engine::Point anchor_a;  // m; where the joint holds B to the world: its point there
+  engine::Point anchor_a;  // m; if the joint has no body A: the point of the world that holds B
   engine::Point anchor_b;  // m
-  engine::Point axis;      // turned with A, of any length
+  engine::Point axis;      // rotated with A, of any length
 };
 
 /// Line segments between points.
@@ -21,10 +21,10 @@ struct JointLines {
   std::array<std::array<engine::Point, 2>, 3> lines;
 };
 
-/// How far a joint is from what its rigid rows hold, without limits and angles, m.
+/// The position error of a joint, m: the distance from its rigid constraints, without limits and angles.
 double joint_gap(const engine::Joint& joint, const JointPlaces& places);
 
-/// What a picture shows of a joint between its anchors.
+/// The lines that a picture draws between the anchors of a joint.
 JointLines joint_lines(const engine::Joint& joint, const JointPlaces& places);
 
 }  // namespace ticktrue::verifier

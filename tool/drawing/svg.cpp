@@ -1,4 +1,4 @@
-// Drawing states as SVG.
+// Draws states as SVG.
 // SPDX-License-Identifier: MIT
 #include "tool/drawing/svg.h"
 
@@ -26,7 +26,7 @@ constexpr double picture_width_px = 960;
 constexpr double far_view_m = 100;
 constexpr double degrees_per_radian = 180 / engine::pi;
 
-// Mid tones: at least 3:1 against white and against black.
+// The colours are mid tones, with a contrast of at least 3:1 against white and against black.
 constexpr std::string_view style =
     "<style>"
     "path,circle{stroke-linejoin:round}"
@@ -63,7 +63,7 @@ std::vector<Point> corners_of(const Shape& shape) {
   return corners;
 }
 
-/// Vertices may come in any order: drawn by angle around their mean, which is right for a convex outline.
+/// Sorts corners, which may come in any order, by angle around their mean. The result is right for a convex outline.
 std::vector<Point> ordered(std::vector<Point> corners) {
   Point mean;
   for (const Point& corner : corners) {
@@ -100,7 +100,7 @@ Point beyond(const Point& corner, const Point& from, const Point& to, double rad
   return {corner.x + radius * (to.y - from.y) / length, corner.y - radius * (to.x - from.x) / length};
 }
 
-/// The outline of everything within the radius of a hull: straight edges and an arc at each vertex.
+/// Draws the outline of all places within the radius of a hull: straight edges, and an arc at each vertex.
 void draw_rounded(const Shape& shape, std::back_insert_iterator<std::string> out) {
   const std::vector<Point> core = engine::core_of(shape);
   const std::size_t count = core.size();
@@ -129,7 +129,7 @@ void draw_shape(const Shape& shape, std::back_insert_iterator<std::string> out) 
   if (engine::is_line(shape.kind)) return draw_line(shape, out);
   if (shape.kind != ShapeKind::circle && shape.radius > 0) return draw_rounded(shape, out);
   if (shape.kind == ShapeKind::circle) {
-    // With a radius drawn in, so that turning is seen.
+    // The drawn radius makes the rotation visible.
     fmt::format_to(out, "<circle cx=\"{:.6g}\" cy=\"{:.6g}\" r=\"{:.6g}\"/>", shape.center.x, shape.center.y,
                    shape.radius);
     fmt::format_to(out, "<path class=\"mark\" d=\"M{:.6g} {:.6g}h{:.6g}\"/>", shape.center.x, shape.center.y,
@@ -230,7 +230,7 @@ std::string svg_picture(const engine::Engine& engine, std::uint64_t tick, const 
                  picture_width_px, height_px, picture_width_px, view.height() * scale);
   fmt::format_to(out, "<title>{}, tick {}, {:.3f} s</title>\n{}\n", xml_text(engine.scene().name), tick,
                  engine.time_s(), style);
-  // World: y up, m.
+  // World axes: y up, m.
   fmt::format_to(out, "<g stroke-width=\"{:.4g}\" transform=\"scale({:.7g} {:.7g}) translate({:.7g} {:.7g})\">\n",
                  1.2 / scale, scale, -scale, -view.lower_x, -view.upper_y);
   for (const BodyReport& body : engine.bodies()) draw_body(body, out);

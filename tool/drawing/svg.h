@@ -20,15 +20,15 @@ struct WorldBox {
   double height() const { return upper_y - lower_y; }
 };
 
-/// The box around the shapes of a body. Empty if its pose is not finite.
+/// The box around the shapes of a body. Empty if the body's pose is not finite.
 WorldBox box_of(const engine::BodyReport& body);
 
-/// What a picture shows, from the bodies at the start and the box of all places where bodies were that can move: those
-/// places, but not further off than 3 times the starting picture or 100 m, and of static bodies what is near.
+/// The view of a picture. `visited` is the box of all places of the moving bodies. The view contains the moving bodies
+/// at the start, and `visited` up to 3 times their size or 100 m beyond. It contains the static bodies nearby.
 WorldBox choose_view(const engine::Engine& start, const WorldBox& visited);
 
-/// The bodies with their shapes (static ones grey, names as titles), contact points and normals. Readable on light and
-/// on dark ground: the background is left transparent.
+/// Draws the bodies with their shapes (static bodies grey, names as titles), contact points and normals. The picture is
+/// readable on light and on dark backgrounds, because its own background is transparent.
 std::string svg_picture(const engine::Engine& engine, std::uint64_t tick, const WorldBox& view);
 
 }  // namespace ticktrue::verifier
