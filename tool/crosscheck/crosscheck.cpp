@@ -22,11 +22,12 @@ using engine::SolverKind;
 
 constexpr double jitter_per_size = 0.001;
 constexpr double contact_window_s = 1;       // contacts are averaged over the last second,
-constexpr std::uint64_t contact_stride = 4;  // every fourth tick of it
-// To tell a difference of physics from one of convergence: Box2D with smaller steps, which do far more than iterations.
+constexpr std::uint64_t contact_stride = 4;  // at every fourth tick
+// Smaller steps distinguish a difference of physics from missing convergence. In Box2D, smaller steps help far more
+// than iterations.
 constexpr std::array<int, 2> finer_steps_per_tick{4, 16};
-constexpr std::array<int, 2> own_substep_factors{2, 4};  // likewise ours
-constexpr std::size_t finest_body_count_max = 500;       // bounds the time the finest steps take
+constexpr std::array<int, 2> own_substep_factors{2, 4};  // the same for this engine
+constexpr std::size_t finest_body_count_max = 500;       // limits the run time of the finest steps
 
 // A number in [-1, 1) for a place in the sequence of a seed: one round of splitmix64.
 // Source: Steele, Lea and Flood, "Fast splittable pseudorandom number generators", 2014.
@@ -39,7 +40,7 @@ double jitter_of(std::uint32_t seed, std::uint64_t place) {
   return static_cast<double>(z >> 11) * 0x1p-52 - 1;
 }
 
-// One run to do: of the engine under a solver, or of Box2D.
+// One run: of the engine with a solver, or of Box2D.
 struct Job {
   Scene scene;
   bool is_box2d = false;
@@ -61,7 +62,7 @@ class Runner {
 
   void expect_jobs(std::size_t count) { total_ += count * tick_count_; }
 
-  /// The outcome of each job, in order; the first error in that order.
+  /// The outcome of each job, in order. If jobs fail, the first error in that order.
   Result<std::vector<Outcome>> run(const std::vector<Job>& jobs) {
     std::vector<std::optional<Result<Outcome>>> results(jobs.size());
     const Status ran =
@@ -111,7 +112,7 @@ class Runner {
     return outcome;
   }
 
-  // Steps and measures: bodies after every tick, contacts at intervals in the last second.
+  // Steps the world and measures it: bodies after every tick, contacts at intervals in the last second.
   template <typename World, typename Step>
   void watch(const World& world, double dt, CrosscheckMeasure& measure, Step step) {
     const std::uint64_t window = std::max<std::uint64_t>(1, static_cast<std::uint64_t>(contact_window_s / dt));
@@ -132,7 +133,7 @@ class Runner {
   void count_tick() {
     const std::uint64_t done = done_.fetch_add(1) + 1;
     if (!options_.progress || done % 64 != 0) return;
-    if (is_reporting_.exchange(1) != 0) return;  // another thread tells the progress just now
+    if (is_reporting_.exchange(1) != 0) return;  // another thread is reporting the progress
     options_.progress(done, total_);
     is_reporting_ = 0;
   }
@@ -147,7 +148,7 @@ class Runner {
   const CrosscheckOptions& options_;
   std::uint64_t total_ = 0;
   std::atomic<std::uint64_t> done_{0};
-  std::atomic<std::uint32_t> is_reporting_{0};  // whole words: RISC-V exchanges no bytes
+  std::atomic<std::uint32_t> is_reporting_{0};  // a 32-bit word: RISC-V has no atomic exchange of bytes
 };
 
 std::vector<CrosscheckRun> runs_of(const std::vector<Outcome>& outcomes, std::size_t first, std::size_t count) {
@@ -168,21 +169,22 @@ bool is_of_bodies(const CriterionResult& row) {
   return row.criterion == place_criterion || row.criterion == distance_criterion;
 }
 
-/// What an ensemble does under a criterion: a verb and its object.
+/// The outcome of an ensemble under a criterion, as a verb and its object.
 std::string outcome_text(const CriterionResult& row, const std::vector<double>& values) {
   if (row.criterion == stands_criterion)
     return fmt::format("stands in {} of {} seeds", std::count(values.begin(), values.end(), 1), values.size());
   return fmt::format("comes to {:.4g}{}{}", mean_of(values), row.unit.empty() ? "" : " ", row.unit);
 }
 
-/// Whether Box2D's own two answers lie on either side of ours.
+/// Whether our value lies between Box2D's values with plain steps and with the finest steps.
 bool is_between(const CriterionResult& row, const CriterionResult& finest) {
   const auto [least, most] = std::minmax({mean_of(row.box2d), mean_of(finest.box2d)});
   const double ours = mean_of(row.ours);
   return least <= ours && ours <= most;
 }
 
-/// Says where ours comes to with smaller substeps, on every row that Box2D's smaller steps were asked about.
+/// Adds the outcome of the engine with smaller substeps to each row that also has an outcome of Box2D with smaller
+/// steps.
 void tell_own_convergence(std::vector<CriterionResult>& rows, const std::vector<CriterionResult>& own_finest,
                           std::string_view how) {
   for (std::size_t i = 0; i < rows.size() && i < own_finest.size(); ++i) {
@@ -219,7 +221,7 @@ CrosscheckSolver summarize(const CrosscheckReport& report, const std::string& na
   return solver;
 }
 
-// A solver's part of a report that says only why nothing can be compared.
+// Adds a solver to the report whose only row says why nothing can be compared.
 void add_not_applicable(CrosscheckReport& report, SolverKind kind, const std::string& reason) {
   CriterionResult row;
   row.solver = engine::info_of(engine::solvers, kind).name;
@@ -239,14 +241,14 @@ CrosscheckReport report_not_applicable(CrosscheckReport report, const std::vecto
   return report;
 }
 
-/// Ensembles of one scene, with smaller steps of Box2D or of ours run when they are first needed.
+/// Ensembles of one scene. Ensembles with smaller steps, of Box2D or of the engine, run when they are first needed.
 class Comparison {
  public:
   Comparison(const CrosscheckLayout& layout, const std::vector<Scene>& starts, const Box2dOptions& box2d_options,
              Runner& runner)
       : layout_(layout), starts_(starts), box2d_options_(box2d_options), runner_(runner) {}
 
-  /// The rows of a solver. `ours`, `box2d`: the ensembles as the scene says.
+  /// The rows of a solver. `ours`, `box2d`: the ensembles with the settings of the scene.
   Result<std::vector<CriterionResult>> judge(SolverKind solver, const std::vector<CrosscheckRun>& ours,
                                              const std::vector<CrosscheckRun>& box2d, double skin) {
     std::vector<CriterionResult> rows = compare_runs(layout_, ours, box2d, skin);
@@ -279,7 +281,7 @@ class Comparison {
     return engine::info_of(engine::solvers, solver).substeps && layout_.dynamic_count <= finest_body_count_max;
   }
 
-  /// What single bodies do differs only where smaller steps of both leave them where they are.
+  /// Judges single bodies. A body differs only if smaller steps of both engines leave it in its place.
   Status judge_bodies(std::vector<CriterionResult>& rows, SolverKind solver, const std::vector<CrosscheckRun>& ours,
                       const std::vector<CrosscheckRun>& box2d, double skin, std::size_t level_count) {
     const auto differs = [&](std::string_view criterion) {
@@ -349,8 +351,8 @@ class Comparison {
   const std::vector<Scene>& starts_;
   const Box2dOptions& box2d_options_;
   Runner& runner_;
-  std::array<std::vector<CrosscheckRun>, finer_steps_per_tick.size()> finer_;     // empty: not run
-  std::array<std::vector<CrosscheckRun>, own_substep_factors.size()> own_finer_;  // of one solver
+  std::array<std::vector<CrosscheckRun>, finer_steps_per_tick.size()> finer_;     // empty: not run yet
+  std::array<std::vector<CrosscheckRun>, own_substep_factors.size()> own_finer_;  // of the solver `own_finer_of_`
   std::optional<SolverKind> own_finer_of_;
 };
 
@@ -393,7 +395,8 @@ Scene jittered_scene(const Scene& scene, const CrosscheckLayout& layout, std::ui
     if (!body.is_dynamic) continue;
     const double reach = jitter_per_size * std::min(body.width, body.height);
     const double across = jitter_of(seed, 2 * i) * reach;
-    // Without gravity no direction is special, and a shift along one alone would keep a scene's symmetry.
+    // Without gravity no direction is special. A shift along a single direction could then keep a symmetry of the
+    // scene.
     const double up = layout.gravity > 0 ? 0 : jitter_of(seed, 2 * i + 1) * reach;
     jittered.bodies[i].position.x += across * layout.right.x + up * layout.up.x;
     jittered.bodies[i].position.y += across * layout.right.y + up * layout.up.y;

@@ -1,4 +1,4 @@
-// The criteria: an ensemble of runs of the engine judged against Box2D's.
+// The criteria: an ensemble of runs of the engine judged against an ensemble of Box2D.
 // SPDX-License-Identifier: MIT
 #include <fmt/format.h>
 
@@ -11,14 +11,15 @@
 namespace ticktrue::verifier {
 namespace {
 
-// Differences up to these agree, if the scatter of Box2D's own seeds does not ask for more (scatter_factor).
+// A difference agrees up to its tolerance here, or up to scatter_factor times the scatter of Box2D's seeds if that is
+// larger.
 constexpr double scatter_factor = 2;                // standard deviations of Box2D's seeds
-constexpr double stood_tolerance = 0.2;             // of the seeds: one of five may go the other way
-constexpr double standing_tolerance = 0.02;         // of the placed bodies, where Box2D's structure stands
-constexpr double collapsed_tolerance = 0.15;        // of the placed bodies, where Box2D's structure does not
+constexpr double stood_tolerance = 0.2;             // of the seeds: one of five may have another outcome
+constexpr double standing_tolerance = 0.02;         // of the placed bodies, if Box2D's structure stands
+constexpr double collapsed_tolerance = 0.15;        // of the placed bodies, if Box2D's structure falls
 constexpr double top_tolerance = 0.01;              // of the height
-constexpr std::size_t heap_count_min = 10;          // bodies: fewer make no heap
-constexpr double top_explained_tolerance = 0.0025;  // of the height, once the gaps between shapes are taken out
+constexpr std::size_t heap_count_min = 10;          // fewer bodies are no heap
+constexpr double top_explained_tolerance = 0.0025;  // of the height, without the gaps between shapes
 constexpr double tilt_tolerance_deg = 3;
 constexpr double settle_tolerance_share = 0.25;
 constexpr double settle_tolerance_min_s = 2;
@@ -32,7 +33,7 @@ constexpr double distance_tolerance_min = 1;  // m
 
 struct Statistics {
   double mean = 0;
-  double deviation = 0;  // standard, of the sample
+  double deviation = 0;  // standard deviation of the sample
 };
 Statistics statistics_of(const std::vector<double>& values) {
   Statistics s;
@@ -63,7 +64,7 @@ CriterionResult not_applicable(std::string criterion, std::string reason) {
   return row;
 }
 
-// Means compared; more than the tolerance apart differs, unless Box2D's own seeds scatter as far.
+// Compares means. Means differ if their distance exceeds the tolerance and the scatter of Box2D's seeds.
 CriterionResult compare_means(std::string criterion, std::string unit, std::vector<double> ours,
                               std::vector<double> box2d, double tolerance) {
   CriterionResult row;
@@ -78,8 +79,8 @@ CriterionResult compare_means(std::string criterion, std::string unit, std::vect
   return row;
 }
 
-// Distance between two distributions: mean difference of what stands at the same rank. Runs in which bodies were lost
-// have fewer; ranks are then matched by share.
+// Distance between two distributions: the mean difference of values of equal rank. If a run has lost bodies, ranks are
+// matched by their share of the count.
 double rank_distance(const std::vector<double>& a, const std::vector<double>& b) {
   if (a.empty() || b.empty()) return a.size() == b.size() ? 0 : std::numeric_limits<double>::infinity();
   const std::size_t count = std::max(a.size(), b.size());
@@ -88,7 +89,7 @@ double rank_distance(const std::vector<double>& a, const std::vector<double>& b)
   return sum / static_cast<double>(count);
 }
 
-// Rank by rank over the ensemble.
+// The mean value of each rank over the ensemble.
 std::vector<double> mean_ranks(const std::vector<CrosscheckRun>& runs, std::vector<double> CrosscheckRun::*field) {
   std::size_t count = 0;
   for (const CrosscheckRun& run : runs) count = std::max(count, (run.*field).size());
@@ -113,10 +114,10 @@ struct Judge {
   }
   double standing_share() const { return box2d_stood() ? standing_tolerance : collapsed_tolerance; }
 
-  // Many bodies that fall together, from the air or because their structure gives way.
+  // Many bodies that fall together, from the air or out of a structure that falls.
   bool is_heap() const { return layout.dynamic_count >= heap_count_min && !(layout.is_structure && box2d_stood()); }
 
-  // Empty if the criteria of structures apply.
+  // The reason why the criteria of structures do not apply; empty if they apply.
   std::string not_a_structure() const {
     if (layout.gravity == 0) return "no gravity";
     if (layout.is_structure) return {};
@@ -145,9 +146,9 @@ struct Judge {
   CriterionResult top() const {
     if (layout.gravity == 0) return not_applicable("top height", "no gravity");
     const auto height = [](const CrosscheckRun& run) { return run.top; };
-    // What flies or falls far is measured against how far.
+    // The tolerance for bodies that fly or fall far is relative to their distance.
     const double reach = std::max(layout.height, std::fabs(mean_of(each(box2d, height))));
-    // The top of a heap is whichever body ended up there: one body higher or lower is the same heap.
+    // The top of a heap is a body by chance: one body higher or lower is the same heap.
     const double heap = is_heap() ? layout.size : 0;
     CriterionResult row = compare_means("top height", "m", each(ours, height), each(box2d, height),
                                         std::max(top_tolerance * reach, heap));
@@ -205,7 +206,7 @@ struct Judge {
     row.box2d = each(box2d, time);
     row.tolerance = settle_tolerance_min_s;
     if ((ours_settled > 0.5) != (box2d_settled > 0.5)) {
-      // Seeds that go either way in Box2D decide nothing.
+      // If the seeds of both engines are divided, the criterion decides nothing.
       const bool split = box2d_settled > 0.25 && box2d_settled < 0.75 && ours_settled > 0.2 && ours_settled < 0.8;
       row.verdict = split ? Agreement::agree : Agreement::differ;
       row.difference = std::numeric_limits<double>::infinity();
@@ -214,7 +215,7 @@ struct Judge {
                                        100 * box2d_settled);
       return row;
     }
-    if (ours_settled <= 0.5) {  // neither comes to rest
+    if (ours_settled <= 0.5) {  // in neither engine do the bodies come to rest
       row.verdict = Agreement::agree;
       return row;
     }
@@ -293,15 +294,15 @@ struct Judge {
     for (std::size_t i = 0; i < others.size(); ++i) values[i] = std::max(values[i], others[i]);
   }
 
-  // Where an ensemble has a body on average.
+  // The mean place of a body over an ensemble.
   struct Rest {
-    bool exists = false;   // it rests, in every seed
-    bool certain = false;  // within 1 cm of the average
+    bool exists = false;   // the body rests in every seed
+    bool certain = false;  // every seed is within 1 cm of the mean
     double across = 0;     // m
     double up = 0;
     double gap = 0;
     double gap_max = 0;
-    std::vector<double> scatter;  // by seed, m from the average
+    std::vector<double> scatter;  // by seed, m from the mean
     double off(const Rest& other) const { return std::hypot(across - other.across, up - other.up); }
   };
   static std::vector<double> distances(const Runs& runs, std::size_t id, const Rest& rest) {
@@ -321,21 +322,22 @@ struct Judge {
     rest.certain = *std::max_element(rest.scatter.begin(), rest.scatter.end()) <= 0.5 * place_tolerance;
     return rest;
   }
-  // Half the length of the row that a body starts in, in skins: as far as the skin may push it.
+  // How far the skin may push a body along the row in which it starts, m: half the number of gaps in the row, times the
+  // skin.
   double row_slack(std::uint32_t id) const {
     for (const std::vector<std::uint32_t>& row : layout.body_rows)
       if (std::find(row.begin(), row.end(), id) != row.end()) return 0.5 * skin * static_cast<double>(row.size() - 1);
     return 0;
   }
   bool is_same(const Rest& own, const Rest& theirs) const { return own.off(theirs) <= place_tolerance; }
-  // Without what the skin keeps apart and soft contacts press together.
+  // Compares places without the gaps of the skin and without the overlaps of soft contacts.
   bool is_same_without_gaps(std::uint32_t id, const Rest& own, const Rest& theirs) const {
     const double across = std::max(0.0, std::fabs(own.across - theirs.across) - row_slack(id));
     const double up = (own.up - own.gap) - (theirs.up - theirs.gap);
     return theirs.gap_max <= 1.05 * skin && std::hypot(across, up) <= place_tolerance;
   }
 
-  // `finer`: Box2D with smaller steps, as far as it was run; `own_finer`: likewise ours.
+  // `finer`: the ensembles of Box2D with smaller steps that have run. `own_finer`: the same for this engine.
   CriterionResult same_place(const std::vector<Runs>& finer, const std::vector<Runs>& own_finer) const {
     enum class Found { same, same_without_gaps, converges, unsettled, differs };
     const auto judge = [&](std::uint32_t id, const Rest& own, const Rest& theirs) {
@@ -386,7 +388,7 @@ struct Judge {
                             fmt::format("of {} bodies that rest in both Box2D knows no place", unsettled));
     row.unit = fmt::format("m, {} of {}", judged, layout.dynamic_count);
     if (row.verdict == Agreement::differ) return row;
-    const std::size_t moved = unsettled - uncertain;  // by smaller steps
+    const std::size_t moved = unsettled - uncertain;  // bodies that smaller steps put elsewhere
     if (explained + converging + moved > 0) row.verdict = Agreement::expected;
     if (explained > 0)
       row.reason = fmt::format("{} but for the gaps of Box2D's skin and the overlaps of soft contacts; ", explained);
@@ -409,7 +411,7 @@ struct Judge {
       std::vector<double> own = each(ours, distance);
       const double tolerance = std::max(distance_tolerance_min, distance_tolerance_share * mean_of(theirs));
       const auto [least, most] = std::minmax_element(theirs.begin(), theirs.end());
-      if (*most - *least > tolerance) continue;  // Box2D does not know it itself
+      if (*most - *least > tolerance) continue;  // Box2D's own seeds disagree
       const double difference = std::fabs(mean_of(own) - mean_of(theirs));
       const bool is_settled = std::all_of(finer.begin(), finer.end(), [&](const Runs& runs) {
         return is_left(runs, id) && std::fabs(mean_of(each(runs, distance)) - mean_of(theirs)) <= tolerance;

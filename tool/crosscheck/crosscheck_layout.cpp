@@ -18,9 +18,9 @@ using engine::Shape;
 using engine::ShapeKind;
 
 constexpr double infinite = std::numeric_limits<double>::infinity();
-constexpr int circle_corner_count = 32;    // an outline within half a percent of the radius
+constexpr int circle_corner_count = 32;    // the outline deviates by less than half a percent of the radius
 constexpr double placed_gap_max = 0.5;     // of a body's height: a body that starts higher is in the air
-constexpr double rest_speed_share = 0.02;  // of the speed a body falls with over half its own size
+constexpr double rest_speed_share = 0.02;  // of the speed of a body after a fall over half its own size
 
 double dot(const Point& a, const Point& b) {
   return a.x * b.x + a.y * b.y;
@@ -30,14 +30,14 @@ Point turned(const Point& p, const engine::SinCos& turn) {
   return {turn.cos * p.x - turn.sin * p.y, turn.sin * p.x + turn.cos * p.y};
 }
 
-// A convex outline in (across, up), counter-clockwise, with its box.
+// A convex outline in (across, up), counter-clockwise, with its bounding box.
 struct BoundedOutline {
   std::vector<Point> points;
   Point lower{infinite, infinite};
   Point upper{-infinite, -infinite};
 };
 
-// The outline of everything within the radius of a core: where it reaches farthest in each of many directions.
+// The outline of all places within the radius of a core: its farthest point in each of many directions.
 std::vector<Point> rounded(const std::vector<Point>& core, double radius) {
   std::vector<Point> corners;
   for (int i = 0; i < circle_corner_count; ++i) {
@@ -65,7 +65,7 @@ BoundedOutline bounded_outline_of(const Body& body, const std::vector<Point>& co
   return outline;
 }
 
-// One outline; of a segment or chain one for each edge. Sensors have none: nothing lies on them.
+// One outline, or one for each edge of a segment or chain. A sensor has none, because no body can lie on a sensor.
 std::vector<BoundedOutline> bounded_outlines_of(const Body& body, const Shape& shape, const CrosscheckLayout& layout) {
   if (shape.sensor) return {};
   const std::vector<Point> core = engine::core_of(shape);
@@ -78,7 +78,7 @@ std::vector<BoundedOutline> bounded_outlines_of(const Body& body, const Shape& s
   return edges;
 }
 
-// Lowest and highest point of a convex outline at one place across.
+// Lowest and highest point of a convex outline at one `across` coordinate.
 struct Span {
   double low = infinite;
   double high = -infinite;
@@ -98,8 +98,8 @@ Span span_at(const BoundedOutline& outline, double across) {
   return span;
 }
 
-// How far `upper` may sink until it meets `lower`; infinite if they do not stand above each other. Exact for polygons:
-// between the corners of both, both outlines are straight.
+// How far `upper` may sink until it touches `lower`; infinite if neither is above the other. The result is exact for
+// polygons, because both outlines are straight between their corners.
 double gap_between(const BoundedOutline& upper, const BoundedOutline& lower) {
   const double left = std::max(upper.lower.x, lower.lower.x);
   const double right = std::min(upper.upper.x, lower.upper.x);
@@ -123,14 +123,14 @@ struct Outlines {
   Point upper{-infinite, -infinite};
 };
 
-// Drops every dynamic body straight down, lowest first, and stores the bodies that it lies on.
+// Drops every dynamic body straight down, lowest body first, and stores the bodies that carry it.
 void drop_bodies(const std::vector<Outlines>& outlines, CrosscheckLayout& layout) {
   std::vector<std::uint32_t> order;
   for (std::uint32_t id = 0; id < layout.bodies.size(); ++id)
     if (layout.bodies[id].is_dynamic) order.push_back(id);
   std::stable_sort(order.begin(), order.end(),
                    [&](std::uint32_t a, std::uint32_t b) { return outlines[a].lower.y < outlines[b].lower.y; });
-  std::vector<std::uint32_t> below;  // what may carry: bodies at rest by nature, then those dropped already
+  std::vector<std::uint32_t> below;  // bodies that may carry: static and kinematic bodies, then dropped bodies
   for (std::uint32_t id = 0; id < layout.bodies.size(); ++id)
     if (!layout.bodies[id].is_dynamic) below.push_back(id);
 
@@ -151,7 +151,7 @@ void drop_bodies(const std::vector<Outlines>& outlines, CrosscheckLayout& layout
       double gap = infinite;
       for (const BoundedOutline& a : outline.shapes)
         for (const BoundedOutline& b : under.shapes) gap = std::min(gap, gap_between(a, b));
-      if (gap < -0.1 * body.height) continue;  // beside or around it, not below
+      if (gap < -0.1 * body.height) continue;  // beside or around the body, not below
       if (gap == infinite) continue;
       const double own_drop = layout.bodies[other].is_dynamic ? layout.bodies[other].drop : 0;
       found.push_back({other, gap});
@@ -163,7 +163,7 @@ void drop_bodies(const std::vector<Outlines>& outlines, CrosscheckLayout& layout
       body.supports.push_back(candidate.id);
       const CrosscheckBody& support = layout.bodies[candidate.id];
       const bool is_near = candidate.gap <= placed_gap_max * body.height;
-      if (is_near && (support.is_placed || !support.is_dynamic)) body.is_placed = true;  // links that hang are not
+      if (is_near && (support.is_placed || !support.is_dynamic)) body.is_placed = true;  // hanging links are not placed
     }
     below.push_back(id);
   }
@@ -183,7 +183,7 @@ bool find_column(const CrosscheckLayout& layout) {
   return stacked > 0;
 }
 
-// Dynamic bodies of one height that touch side by side, from left to right.
+// Finds dynamic bodies of equal height that touch side by side, from left to right.
 void find_rows(const std::vector<Outlines>& outlines, CrosscheckLayout& layout) {
   std::vector<std::uint32_t> order;
   for (std::uint32_t id = 0; id < layout.bodies.size(); ++id)
@@ -271,7 +271,7 @@ CrosscheckLayout make_layout(const engine::Scene& scene) {
     if (!body.is_dynamic) continue;
     const Body& description = scene.bodies[i];
     const bool moves = description.velocity.x != 0 || description.velocity.y != 0 || description.angular_velocity != 0;
-    // What something moving may hit is still placed; what itself moves, or does not weigh down, is not.
+    // A body that moves, or has no weight, is not placed. A body that a moving body may hit is placed.
     if (moves || body.weight <= 0) body.is_placed = false;
     if (body.is_placed) ++layout.placed_count;
     const double drop = std::isfinite(body.drop) ? body.drop : 0;

@@ -1,4 +1,4 @@
-// Measures bodies and contacts of one run, and reduces them to the quantities that the criteria compare.
+// Measures bodies and contacts of one run, and reduces them to the quantities of the criteria.
 // SPDX-License-Identifier: MIT
 #include <algorithm>
 #include <cmath>
@@ -14,14 +14,14 @@ using engine::BodyReport;
 using engine::ContactReport;
 using engine::Point;
 
-// Limits within which a placed body still stands.
+// Limits within which a placed body counts as standing.
 constexpr double standing_tilt_max_deg = 15;
 constexpr double standing_move_max = 0.5;  // of its width across, of its height up or down
-constexpr double stood_share = 0.98;       // of the placed bodies: then the structure stood
-constexpr double tilt_shown_max_deg = 45;  // beyond it a body has toppled; how far it rolled on tells nothing
-constexpr double place_speed_max = 0.05;   // m/s: slower, for so long, a body has found its place
+constexpr double stood_share = 0.98;       // of the placed bodies: the structure counts as standing
+constexpr double tilt_shown_max_deg = 45;  // a body with a larger tilt has toppled; how far it rolled on means nothing
+constexpr double place_speed_max = 0.05;   // m/s: a body that stays slower for place_time_s has come to rest
 constexpr double place_time_s = 1;
-constexpr double level_share = 0.02;  // sideways part of the ground's force, of all of it
+constexpr double level_share = 0.02;  // largest sideways share of the ground force in level contacts
 
 double along(const Point& p, const Point& direction) {
   return p.x * direction.x + p.y * direction.y;
@@ -41,7 +41,7 @@ double inverse(double value) {
   return value > 0 ? 1 / value : 0;
 }
 
-// Where each body stands in a list of reports, by id; absent bodies are null.
+// The report of each body by id; null for an absent body.
 std::vector<const BodyReport*> by_id(const std::vector<BodyReport>& bodies, std::size_t count) {
   std::vector<const BodyReport*> found(count, nullptr);
   for (const BodyReport& body : bodies)
@@ -95,7 +95,7 @@ void CrosscheckMeasure::add_contacts(const std::vector<BodyReport>& bodies,
       if (body->is_dynamic) size = std::min(size, std::min(body->width, body->height));
     for (int i = 0; i < contact.point_count; ++i) {
       const double overlap = -contact.separation[i];
-      // A soft contact gives way by force / (stiffness per kg * effective mass of the point).
+      // A soft contact yields by force / (stiffness per kg * effective mass of the contact point).
       const Point arm_a{contact.point[i].x - a->center.x, contact.point[i].y - a->center.y};
       const Point arm_b{contact.point[i].x - b->center.x, contact.point[i].y - b->center.y};
       const double lever_a = arm_a.x * contact.normal.y - arm_a.y * contact.normal.x;
@@ -134,7 +134,7 @@ CrosscheckRun CrosscheckMeasure::finish() const {
   const std::size_t count = layout_.bodies.size();
   const std::vector<const BodyReport*> found = by_id(last_bodies_, count);
 
-  std::vector<double> across(count, 0);  // travelled
+  std::vector<double> across(count, 0);  // distance travelled
   std::vector<bool> present(count, false);
   std::vector<double> settled;
   std::size_t support_count = 0;
@@ -160,7 +160,7 @@ CrosscheckRun CrosscheckMeasure::finish() const {
           ++run.standing_count;
       }
     } else if (start.is_placed) {
-      run.tilt_deg = tilt_shown_max_deg;  // gone over the bounds
+      run.tilt_deg = tilt_shown_max_deg;  // the body has left the bounds
     }
     for (const std::uint32_t support : start.supports) {
       if (!layout_.bodies[support].is_dynamic) continue;
@@ -176,7 +176,8 @@ CrosscheckRun CrosscheckMeasure::finish() const {
   run.order = support_count > 0 ? static_cast<double>(ordered_count) / static_cast<double>(support_count) : 1;
   if (run.travel.empty()) run.top = 0;
 
-  // At rest: nineteen of twenty bodies, so that one disc that rolls for ever does not decide for a thousand.
+  // The structure is at rest when nineteen of twenty bodies are. One disc that rolls for ever must not decide for a
+  // thousand bodies.
   std::sort(settled.begin(), settled.end());
   if (!settled.empty()) {
     const std::size_t index = (settled.size() - 1) - settled.size() / 20;
@@ -196,7 +197,7 @@ CrosscheckRun CrosscheckMeasure::finish() const {
     run.ground_is_flat = ground_all_sum_ > 0 && ground_side_sum_ <= level_share * ground_all_sum_;
   }
   if (layout_.is_column && contact_sample_count_ > 0) {
-    std::vector<double> load(count, 0);  // N, weight of the body and all it carries
+    std::vector<double> load(count, 0);  // N, weight of the body and of all bodies above
     for (std::size_t id = 0; id < count; ++id) {
       if (!layout_.bodies[id].is_dynamic) continue;
       std::size_t under = id;
@@ -219,7 +220,7 @@ CrosscheckRun CrosscheckMeasure::finish() const {
   return run;
 }
 
-// By id, what carries most of a body from below.
+// The body that carries most of each body's weight from below, by id.
 std::vector<CrosscheckMeasure::Carrier> CrosscheckMeasure::find_carriers() const {
   const std::size_t count = layout_.bodies.size();
   std::vector<Carrier> carriers(count);
@@ -237,7 +238,7 @@ std::vector<CrosscheckMeasure::Carrier> CrosscheckMeasure::find_carriers() const
     carriers[upper].force = force;
     carriers[upper].body = contact.body_a == upper ? contact.body_b : contact.body_a;
   }
-  // Bodies of several shapes touch in several contacts.
+  // A pair of bodies with several shapes may have several contacts.
   for (const ContactReport& contact : last_contacts_) {
     const std::size_t upper = upper_of(contact);
     if (upper == count) continue;
@@ -250,7 +251,7 @@ std::vector<CrosscheckMeasure::Carrier> CrosscheckMeasure::find_carriers() const
   return carriers;
 }
 
-// Down what carries most, as often as there are bodies at most.
+// Follows the strongest support downwards, in at most as many steps as there are bodies.
 CrosscheckMeasure::Chain CrosscheckMeasure::follow_chain(std::size_t body, const std::vector<Carrier>& carriers) const {
   Chain chain;
   const std::size_t count = layout_.bodies.size();
@@ -304,7 +305,7 @@ void CrosscheckMeasure::measure_places(CrosscheckRun& run, const std::vector<con
   }
 }
 
-// Takes out of each row the gaps that the skin opened between its bodies, keeping the row's middle.
+// Removes the gaps that the skin opened between the bodies of each row, and keeps the middle of the row in place.
 void CrosscheckMeasure::close_rows(CrosscheckRun& run, const std::vector<double>& across,
                                    const std::vector<bool>& present) const {
   std::vector<double> closed = across;
