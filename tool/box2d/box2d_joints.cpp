@@ -17,7 +17,7 @@ namespace {
 
 using engine::JointKind;
 
-// Masses and arms of a joint's two bodies, Box2D units.
+// The two bodies of a joint, with their masses and lever arms in Box2D units.
 struct Pair {
   b2Body* a;
   b2Body* b;
@@ -30,20 +30,20 @@ struct Pair {
     return body->IsFixedRotation() ? 0 : inverse(static_cast<double>(body->GetInertia()) - mass * arm);
   }
   static double inverse(double value) { return value > 0 ? 1 / value : 0; }
-  // Of a row along a direction through two points of the world, as ours has it (joint_rows.h), 1/kg.
+  // Inverse effective mass along an axis through two points of the world, as in engine/joints/joint_rows.h, 1/kg.
   double mobility(const b2Vec2& axis, const b2Vec2& at_a, const b2Vec2& at_b) const {
     const double lever_a = static_cast<double>(b2Cross(at_a - a->GetWorldCenter(), axis));
     const double lever_b = static_cast<double>(b2Cross(at_b - b->GetWorldCenter(), axis));
     return inv_mass() + inv_inertia(a) * lever_a * lever_a + inv_inertia(b) * lever_b * lever_b;
   }
-  // Of the angle while the bodies are pinned at a point of the world, as ours has it, 1/(kg m^2).
+  // Inverse effective inertia of the angle while a point of the world joins the bodies, as in the engine, 1/(kg m^2).
   double pinned_mobility(const b2Vec2& pin) const {
     const b2Vec2 arm_a = pin - a->GetWorldCenter();
     const b2Vec2 arm_b = pin - b->GetWorldCenter();
     const double m = inv_mass(), i = inv_inertia(a), j = inv_inertia(b);
     const double xa = static_cast<double>(arm_a.x), ya = static_cast<double>(arm_a.y);
     const double xb = static_cast<double>(arm_b.x), yb = static_cast<double>(arm_b.y);
-    // Schur complement of the point's mobility in that of point and angle.
+    // Schur complement of the point's matrix in the matrix of point and angle.
     const double k11 = m + i * ya * ya + j * yb * yb;
     const double k12 = -(i * xa * ya + j * xb * yb);
     const double k22 = m + i * xa * xa + j * xb * xb;
@@ -57,7 +57,7 @@ struct Stiffness {
   float stiffness = 0;
   float damping = 0;
 };
-/// Requires: `mobility` > 0 of the sprung row, where the scene gives hertz. `unit`: of absolute values.
+/// Requires: if the scene gives hertz, `mobility` of the spring's constraint is > 0. `unit` scales absolute values.
 Stiffness stiffness_of(const engine::JointSpring& spring, double mobility, double unit) {
   if (spring.absolute) return {static_cast<float>(spring.stiffness * unit), static_cast<float>(spring.damping * unit)};
   const double omega = 2 * engine::pi * spring.hertz;
@@ -65,7 +65,8 @@ Stiffness stiffness_of(const engine::JointSpring& spring, double mobility, doubl
           static_cast<float>(2 * spring.damping_ratio * omega / mobility)};
 }
 
-// Box2D adds angles up where ours repeat every turn: the reference from which B starts less than half a turn away.
+// Box2D counts full turns in its angles; the engine repeats every turn. The returned reference is less than half a turn
+// from the start.
 float reference_of(double reference, const Pair& pair) {
   const double start = static_cast<double>(pair.b->GetAngle() - pair.a->GetAngle()) - reference;
   return static_cast<float>(reference + (start - std::remainder(start, 2 * engine::pi)));
@@ -77,7 +78,7 @@ void set(b2Joint* joint, const Stiffness& soft) {
   static_cast<B2Joint*>(joint)->SetDamping(soft.damping);
 }
 
-// A joint that is being made.
+// A joint under construction.
 struct Making {
   const engine::Joint& joint;
   const Box2dUnits& units;
@@ -113,7 +114,7 @@ struct Making {
   }
 };
 
-// What Box2D 2.4.1 has no notion of, or null.
+// The reason why Box2D 2.4.1 cannot represent a joint, or null.
 const char* knows_all(const engine::Joint&, const Box2dUnits&) {
   return nullptr;
 }
@@ -179,7 +180,7 @@ void stiffen_wheel(b2Joint* made, const engine::Joint& joint, const Box2dUnits& 
   const Pair pair{made->GetBodyA(), made->GetBodyB()};
   b2Vec2 axis = units.scaled(joint.axis);
   axis.Normalize();
-  const b2Vec2 at_b = made->GetAnchorB();  // ours acts at B's anchor on both bodies
+  const b2Vec2 at_b = made->GetAnchorB();  // the engine acts at B's anchor on both bodies
   const double mobility = pair.mobility(pair.a->GetWorldVector(axis), at_b, at_b);
   set<b2WheelJoint>(made, stiffness_of(*joint.spring, mobility, 1));
 }
@@ -250,7 +251,7 @@ b2Joint* make_motor(const Making& making) {
   definition.maxForce = making.force(joint.force_max);
   definition.maxTorque = making.torque(joint.torque_max);
   if (joint.spring) {
-    // What is overdamped creeps back at stiffness / damping; Box2D takes this share of the error out each step.
+    // An overdamped spring returns at the rate stiffness / damping. Box2D removes the share rate * dt in each step.
     const double rate = joint.spring->absolute ? joint.spring->stiffness / joint.spring->damping
                                                : engine::pi * joint.spring->hertz / joint.spring->damping_ratio;  // 1/s
     definition.correctionFactor = std::min(1.0f, static_cast<float>(rate) * making.dt);
@@ -260,7 +261,7 @@ b2Joint* make_motor(const Making& making) {
 
 b2Joint* make_friction(const Making& making) {
   const Pair& pair = making.pair;
-  b2FrictionJointDef definition;  // ours acts at B's centre of mass
+  b2FrictionJointDef definition;  // the engine's friction joint acts at B's centre of mass
   definition.localAnchorA = pair.a->GetLocalPoint(pair.b->GetWorldCenter());
   definition.localAnchorB = pair.b->GetLocalCenter();
   definition.maxForce = making.force(making.joint.force_max);
@@ -275,7 +276,7 @@ const char* refuse_target(const engine::Joint& joint, const Box2dUnits&) {
 b2Joint* make_target(const Making& making) {
   const engine::Joint& joint = making.joint;
   b2MouseJointDef definition;
-  // Where B is held; where to comes after.
+  // The point where B is held now. The place to move to is set below.
   definition.target = making.pair.b->GetWorldPoint(making.units.scaled(joint.anchor_b));
   definition.maxForce = making.force(joint.force_max);
   const Stiffness soft = stiffness_of(*joint.spring, making.pair.inv_mass(), 1);
@@ -294,7 +295,7 @@ b2Joint* make_pulley(const Making& making) {
   making.set_anchors(definition);
   definition.groundAnchorA = making.units.scaled(joint.ground_anchor_a);
   definition.groundAnchorB = making.units.scaled(joint.ground_anchor_b);
-  definition.lengthA = making.length(joint.length);  // only the sum with ratio times the other counts
+  definition.lengthA = making.length(joint.length);  // only the sum of lengthA and ratio times lengthB matters
   definition.lengthB = 0;
   definition.ratio = static_cast<float>(joint.ratio);
   return making.attach(definition);
@@ -306,7 +307,7 @@ struct PeerJoint {
   JointKind kind;
   const char* (*refusal)(const engine::Joint& joint, const Box2dUnits& units);
   b2Joint* (*make)(const Making& making);
-  // Before a step, of a joint with a spring whose stiffness follows the bodies; null: it has none such.
+  // Called before a step for a joint whose spring stiffness depends on the bodies; null: the kind has no such spring.
   void (*stiffen)(b2Joint* made, const engine::Joint& joint, const Box2dUnits& units) = nullptr;
 };
 constexpr std::array<PeerJoint, engine::joint_kinds.size()> peer_joints{{
@@ -322,7 +323,7 @@ constexpr std::array<PeerJoint, engine::joint_kinds.size()> peer_joints{{
 }};
 static_assert(engine::rows_are_in_order(peer_joints));
 
-// Of any kind.
+// The check for every kind of joint.
 const char* refuse_damper(const engine::Joint& joint) {
   for (const auto& spring : {joint.spring, joint.linear_spring})
     if (spring && spring->absolute && spring->damping > 0 && !(spring->stiffness > 0))

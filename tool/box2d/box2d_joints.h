@@ -13,23 +13,24 @@
 
 namespace ticktrue::verifier {
 
-/// The joints of a scene in a world of Box2D.
+/// The joints of a scene in a Box2D world.
 class Box2dJoints {
  public:
-  /// `dt`: s, of a step. Requires: the world outlives it.
+  /// `dt`: length of a step, s. Requires: the world outlives this object.
   Box2dJoints(b2World& world, const Box2dUnits& units, float dt) : world_(world), units_(units), dt_(dt) {}
 
-  /// `a`: of a joint that has one. Requires: `joint` outlives this object. `place` is what an error names first.
-  /// Errors: unsupported, with what Box2D 2.4.1 has no notion of.
+  /// `a`: body A, if the joint has one. Requires: `joint` outlives this object. Errors begin with `place`. Errors:
+  /// unsupported, for a joint that Box2D 2.4.1 cannot represent.
   Status add(const engine::Joint& joint, b2Body* a, b2Body* b, const std::string& place);
 
-  /// Before a step: springs given in hertz are as stiff as their row's mass asks, which turns with the bodies.
+  /// Call before a step. The stiffness of a spring given in hertz follows the effective mass, which changes as the
+  /// bodies rotate.
   void set_stiffness() const;
 
-  /// Before a body is destroyed, and its joints with it.
+  /// Call before a body and its joints are destroyed.
   void forget(const b2Body* body);
 
-  /// Whether the world has a body of ours that holds what is pulled to points of the world.
+  /// Whether the world has an extra static body, which holds joints between a body and the world.
   bool has_anchorage() const { return anchorage_ != nullptr; }
 
  private:

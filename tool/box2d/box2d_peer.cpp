@@ -46,9 +46,10 @@ using engine::Shape;
 // Box2D is tuned for moving bodies of 0.1 m to 10 m: slop 5 mm, skin 1 cm, bounce threshold 1 m/s.
 constexpr double tuned_size_min_m = 0.1;
 constexpr double tuned_size_max_m = 10;
-constexpr double coordinate_max_m = 2e4;  // a float resolves 2 mm there, not half of Box2D's slop
+constexpr double coordinate_max_m = 2e4;  // a float resolves 2 mm here, but not half of Box2D's slop
 
-// Brings the median moving body into the range Box2D is tuned for; a power of two, so that it rounds nothing.
+// Brings the size of the median moving body into the range that Box2D is tuned for. The scale is a power of two, which
+// adds no rounding.
 double choose_length_scale(const engine::Scene& scene) {
   std::vector<double> extents;
   for (const engine::Body& body : scene.bodies) {
@@ -87,7 +88,7 @@ double tangent_speed_of(b2Fixture* fixture) {
   return shape == nullptr ? 0 : shape->material.tangent_speed;
 }
 
-// Mixes materials as the scene says; Box2D by itself knows sqrt and max only.
+// Mixes materials by the rules of the scene. Box2D itself only mixes by square root and maximum.
 class Mixer : public b2ContactListener {
  public:
   Mixer(MixRule friction, MixRule restitution, double scale)
@@ -97,7 +98,7 @@ class Mixer : public b2ContactListener {
     b2Fixture* b = contact->GetFixtureB();
     contact->SetFriction(mix(friction_, a->GetFriction(), b->GetFriction()));
     contact->SetRestitution(mix(restitution_, a->GetRestitution(), b->GetRestitution()));
-    // Box2D's tangent is ours; it drives towards plus this speed, we towards minus the sum.
+    // Box2D's tangent has the same direction, but the opposite sign of speed: Box2D drives towards plus this speed.
     contact->SetTangentSpeed(-static_cast<float>(scale_ * (tangent_speed_of(a) + tangent_speed_of(b))));
   }
 
@@ -111,7 +112,7 @@ std::uint32_t id_of(b2Fixture* fixture) {
   return static_cast<std::uint32_t>(fixture->GetBody()->GetUserData().pointer);
 }
 
-// What Box2D's separations leave out of the gap between the geometry of two shapes, Box2D m.
+// The part of the gap between two shapes that Box2D's separation omits, for one shape, Box2D m.
 double skin_of(b2Fixture* fixture, double scale) {
   const b2Shape* shape = fixture->GetShape();
   if (shape->GetType() != b2Shape::e_polygon) return 0;
@@ -256,7 +257,7 @@ class Box2dWorld final : public Box2dPeer {
                       : description.type == BodyType::kinematic_body ? b2_kinematicBody
                                                                      : b2_dynamicBody;
     definition.position = units_.scaled(description.position);
-    // Box2D adds turns up in a float: after thousands of them it would lose small ones.
+    // Box2D stores the total angle in a float: after thousands of turns small rotations would be lost.
     definition.angle = static_cast<float>(std::remainder(description.angle, 2 * engine::pi));
     definition.linearDamping = static_cast<float>(description.linear_damping);
     definition.angularDamping = static_cast<float>(description.angular_damping);
@@ -281,13 +282,13 @@ class Box2dWorld final : public Box2dPeer {
       b2MassData data;
       data.mass = static_cast<float>(mass.mass);
       data.center = entry.local_center;
-      // Box2D wants the inertia about the body's origin and subtracts the offset's share again.
+      // Box2D expects the inertia about the body's origin, and subtracts the share of the offset.
       data.I =
           static_cast<float>(mass.inertia * units_.scale * units_.scale) + data.mass * b2Dot(data.center, data.center);
       entry.body->SetMassData(&data);
     }
     if (description.type != BodyType::static_body) {
-      // Ours is the velocity of the centre of mass. Box2D's kinematic bodies turn about their origin instead.
+      // A scene gives the velocity of the centre of mass. Box2D's kinematic bodies turn about their origin instead.
       b2Vec2 velocity = units_.scaled(description.velocity);
       const float spin = static_cast<float>(description.angular_velocity);
       if (description.type == BodyType::kinematic_body)
@@ -299,8 +300,8 @@ class Box2dWorld final : public Box2dPeer {
     return {};
   }
 
-  // Box2D cuts what a body moves or turns in one step to b2_maxTranslation and b2_maxRotation. It writes the cut
-  // velocity back, so a cut shows as a speed at the limit.
+  // Box2D limits the displacement and rotation of a body in one step to b2_maxTranslation and b2_maxRotation. Box2D
+  // writes the limited velocity back, so a clamped body has a speed at the limit.
   bool is_clamped() const {
     const float speed_max = 0.9999f * b2_maxTranslation / dt_;
     const float spin_max = 0.9999f * b2_maxRotation / dt_;
@@ -332,14 +333,15 @@ class Box2dWorld final : public Box2dPeer {
   Box2dUnits units_;
   float dt_;  // s, of a step
   Mixer mixer_;
-  mutable b2World world_;      // its contacts' fixtures and bodies tell their user data to the non-const only
+  mutable b2World world_;      // mutable: Box2D returns the user data of fixtures only without const
   std::vector<Entry> bodies_;  // by id
   Box2dJoints joints_;
   std::size_t tick_ = 0;
   std::size_t clamped_tick_ = 0;
 };
 
-// Box2D fills a table of contact functions on its first contact, without a lock: once, before any thread needs it.
+// Box2D fills a table of contact functions at its first contact, without a lock. This function fills it once before
+// threads use it.
 void fill_contact_table() {
   static std::once_flag done;
   std::call_once(done, [] {
@@ -363,7 +365,7 @@ Result<std::unique_ptr<Box2dPeer>> make_box2d_peer(const engine::Scene& scene, c
 }
 
 std::string box2d_version() {
-  // 2.4.1 still calls itself 2.4.0; fixtures with a restitution threshold of their own, used above, came with 2.4.1.
+  // Box2D 2.4.1 still reports version 2.4.0. The restitution thresholds of fixtures, used above, exist since 2.4.1.
   const int revision =
       b2_version.major == 2 && b2_version.minor == 4 && b2_version.revision == 0 ? 1 : b2_version.revision;
   return fmt::format("{}.{}.{}", b2_version.major, b2_version.minor, revision);

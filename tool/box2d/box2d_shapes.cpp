@@ -23,12 +23,13 @@ using engine::Point;
 using engine::Shape;
 using engine::ShapeKind;
 
-// Polygons rest with their skins half a slop each inside each other: with this skin that is where ours touch.
+// In Box2D, the skins of resting polygons overlap by half a slop each. With this skin, the geometries then touch, as in
+// the engine.
 constexpr float thin_skin_m = 0.5f * b2_linearSlop;
-constexpr double thickness_min_m = 3 * static_cast<double>(b2_polygonRadius);  // thinner: mostly skin
-constexpr double thin_thickness_min_m = 3 * static_cast<double>(thin_skin_m);  // likewise with the thin skin
+constexpr double thickness_min_m = 3 * static_cast<double>(b2_polygonRadius);  // a thinner shape would be mostly skin
+constexpr double thin_thickness_min_m = 3 * static_cast<double>(thin_skin_m);  // the same with the thin skin
 
-// Smallest width of a shape over all directions. `hull` is counter-clockwise.
+// The smallest width of a shape over all directions. `hull` is counter-clockwise.
 double thickness_of(const Shape& shape, const std::vector<Point>& hull) {
   if (shape.kind == ShapeKind::circle) return 2 * shape.radius;
   if (shape.kind == ShapeKind::box) return 2 * std::min(shape.half_size.x, shape.half_size.y);
@@ -46,7 +47,7 @@ double thickness_of(const Shape& shape, const std::vector<Point>& hull) {
   return thickness;
 }
 
-// Four points around either end of a capsule.
+// Four points around each end of a capsule.
 void set_octagon(b2PolygonShape& polygon, const Shape& capsule, const Box2dUnits& units) {
   const Point& a = capsule.vertices[0];
   const Point& b = capsule.vertices[1];
@@ -60,7 +61,7 @@ void set_octagon(b2PolygonShape& polygon, const Shape& capsule, const Box2dUnits
   polygon.Set(vertices, b2_maxPolygonVertices);
 }
 
-// Errors: unsupported, for what Box2D 2.4.1 has no notion of.
+// Errors: unsupported, for a shape that Box2D 2.4.1 cannot represent.
 Status check_known(const Shape& shape, const Box2dOptions& options, const Box2dUnits& units, const std::string& place) {
   const auto refuse = [&](const char* what) {
     return Error{ErrorCode::unsupported, fmt::format("{}: {}", place, what), {}};
@@ -69,7 +70,7 @@ Status check_known(const Shape& shape, const Box2dOptions& options, const Box2dU
   if (engine::is_line(shape.kind) && shape.radius > 0) return refuse("Box2D 2.4.1 rounds no lines");
   if (shape.material.rolling_resistance > 0) return refuse("Box2D 2.4.1 has no rolling resistance");
   const engine::Filter& filter = shape.filter;
-  const std::uint32_t beyond = filter.mask >> 16;  // "all" and "all but some" have every bit
+  const std::uint32_t beyond = filter.mask >> 16;  // "all" and "all but some" set every bit
   if (filter.category > 0xffff || (beyond != 0 && beyond != 0xffff) || filter.group < -0x8000 || filter.group > 0x7fff)
     return refuse("Box2D 2.4.1 has filters of 16 bits");
   for (std::size_t i = shape.kind == ShapeKind::chain && shape.loop ? 0 : 1;
@@ -164,7 +165,7 @@ Status add_box2d_shape(b2Body* body, const engine::Body& description, const Shap
                      {}};
       b2Vec2 vertices[b2_maxPolygonVertices];
       for (std::size_t i = 0; i < hull.size(); ++i) vertices[i] = units.scaled(hull[i]);
-      // Box2D welds vertices this close and, with fewer than three left, replaces the polygon by a box.
+      // Box2D merges vertices this close. If fewer than three vertices are left, Box2D replaces the polygon by a box.
       const float weld = 0.5f * b2_linearSlop;
       for (std::size_t i = 0; i < hull.size(); ++i)
         for (std::size_t j = 0; j < i; ++j)
@@ -199,13 +200,13 @@ Status add_box2d_shape(b2Body* body, const engine::Body& description, const Shap
       const auto last = points.size() - 1;
       if (shape.loop)
         chain.CreateLoop(points.data(), count);
-      else  // its ends want a neighbour: one straight on
+      else  // the ends need neighbours: each end continues straight on
         chain.CreateChain(points.data(), count, 2 * points[0] - points[1], 2 * points[last] - points[last - 1]);
       definition.shape = &chain;
       break;
     }
   }
-  const double rounding = shape.kind == ShapeKind::capsule ? 0 : shape.radius;  // an octagon has its width already
+  const double rounding = shape.kind == ShapeKind::capsule ? 0 : shape.radius;  // an octagon has the full width already
   if ((rounding > 0 || has_thin_skin) && definition.shape == &polygon)
     polygon.m_radius = static_cast<float>(rounding * units.scale) + thin_skin_m;
   body->CreateFixture(&definition);

@@ -1,4 +1,4 @@
-// Lengths of the scene in Box2D's units. Included by the Box2D peer's files alone.
+// Lengths of the scene in Box2D's units. Only the files of the Box2D peer include this header.
 // SPDX-License-Identifier: MIT
 #pragma once
 
@@ -8,7 +8,7 @@
 
 namespace ticktrue::verifier {
 
-/// Scene lengths times `scale` are Box2D's.
+/// Box2D lengths are scene lengths times `scale`.
 struct Box2dUnits {
   double scale;
 
