@@ -1,4 +1,4 @@
-// Inputs with the dt of a clock.
+// Combines the inputs of a session with the dt of a clock.
 // SPDX-License-Identifier: MIT
 #include "tool/session/clocked_inputs.h"
 

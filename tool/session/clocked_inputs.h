@@ -11,11 +11,11 @@
 
 namespace ticktrue::verifier {
 
-/// Returns the inputs of another source, stamped by tick as they are, with the dt of the scene's clock. The session
-/// also ends where the host's frames do.
+/// Returns the inputs of another source with the dt of the scene's clock. The tick of each input is unchanged. The
+/// session also ends when the host has no more frames.
 class ClockedInputs : public replay::InputSource {
  public:
-  /// `engine` is the one that the session runs on; it must outlive this.
+  /// `engine`: the engine of the session; must outlive this object.
   ClockedInputs(engine::Engine& engine, std::unique_ptr<replay::InputSource> inputs,
                 std::unique_ptr<HostFrames> frames);
 
@@ -24,7 +24,7 @@ class ClockedInputs : public replay::InputSource {
   bool tick_failed() const override { return tick_failed_; }
 
   const engine::ClockReport& report() const { return clock_.report; }
-  /// Whether next() failed on the frames: then the message names the place already.
+  /// Whether next() failed because of the frames. The message then already names the place.
   bool frames_failed() const { return frames_failed_; }
 
  private:

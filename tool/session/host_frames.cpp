@@ -9,7 +9,7 @@
 namespace ticktrue::verifier {
 namespace {
 
-constexpr double frame_max_s = 3600;  // longer ones are mistakes of units
+constexpr double frame_max_s = 3600;  // s; a longer frame is a wrong unit
 constexpr double frame_min_s = 1e-9;
 
 class SteadyFrames : public HostFrames {
@@ -37,7 +37,7 @@ class RandomFrames : public HostFrames {
   bool stutters_;
 };
 
-/// Waits for the next sixtieth of a second; the frame is as long as the time since the one before.
+/// Waits for the next sixtieth of a second. The length of a frame is the time since the previous frame.
 class WallFrames : public HostFrames {
  public:
   Result<std::optional<double>> next() override {

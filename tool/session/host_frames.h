@@ -20,8 +20,8 @@ enum class HostKind : std::uint8_t { wall, steady_30, steady_60, steady_144, jit
 
 struct HostInfo {
   HostKind kind;
-  std::string_view name;     // of --host
-  std::string_view summary;  // one line for help
+  std::string_view name;     // value of --host
+  std::string_view summary;  // one line for the help text
 };
 inline constexpr std::array<HostInfo, 6> hosts{{
     {HostKind::wall, "wall", "60 frames a second, as long as they really take"},
@@ -35,19 +35,19 @@ inline constexpr std::array<HostInfo, 6> hosts{{
 class HostFrames {
  public:
   virtual ~HostFrames() = default;
-  /// Length of the next frame, s, > 0; nothing at the end of a file. Errors: io, invalid_input.
+  /// Length of the next frame, s, > 0; absent at the end of a file. Errors: io, invalid_input.
   virtual Result<std::optional<double>> next() = 0;
   virtual bool repeatable() const = 0;
 };
 
-/// `host`: a name of the table, or a file of one frame time a line, in seconds. Errors: io.
+/// `host`: a name of the table, or a file with one frame time per line, s. Errors: io.
 Result<std::unique_ptr<HostFrames>> open_host(const std::string& host, std::uint64_t seed);
 
-/// Whether several runs can take their frames from `host`, each from the beginning: reads a file to its end. Errors:
-/// io, invalid_input; usage where it can be read only once.
+/// Whether several runs can read the frames of `host`, each from the beginning. Reads a file to its end. Errors: io,
+/// invalid_input; usage (a file that can be read only once).
 Status check_host(const std::string& host, std::uint64_t seed);
 
-/// Every frame of the same length.
+/// Frames of equal length.
 std::unique_ptr<HostFrames> steady_frames(double seconds);
 
 }  // namespace ticktrue::verifier

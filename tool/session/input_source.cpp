@@ -1,4 +1,4 @@
-// JSON Lines inputs: line by line, grouped into ticks.
+// Reads JSON Lines inputs line by line, and groups them into ticks.
 // SPDX-License-Identifier: MIT
 #include "tool/session/input_source.h"
 
@@ -24,13 +24,13 @@ namespace {
 constexpr std::size_t block_size = 1u << 16;
 
 #ifdef _WIN32
-/// Windows cannot wait for a pipe this way: the read itself waits, and a stop request is seen at the next line.
+/// Windows offers no such wait for a pipe: the read itself blocks, and `stop` is called at the next line.
 bool wait_for_data(int, const std::function<bool()>& stop) {
   return !stop || !stop();
 }
 #else
-/// Waits until a read would not block. False if `stop` said so: it is asked several times a second, since a signal that
-/// comes just before the wait would not end it.
+/// Waits until a read does not block. False if `stop` returned true. `stop` is called several times a second, because a
+/// signal just before the wait would not end the wait.
 bool wait_for_data(int descriptor, const std::function<bool()>& stop) {
   constexpr int interval_ms = 100;
   struct pollfd wait {};
@@ -169,7 +169,7 @@ Status JsonLinesInputs::read_pending() {
       end_tick_ = input->tick;
     else
       pending_ = Line{*input, lines_.line_number()};
-    // A live session ends at its `end`; in a file, a line behind it is a mistake worth telling.
+    // A live session ends at its `end`. In a file, a line after `end` is reported as an error.
     if (is_end && !lines_.is_file()) at_end_ = true;
   }
   return {};
@@ -215,7 +215,7 @@ Result<std::optional<TickInput>> JsonLinesInputs::collect(std::uint64_t tick) {
 }
 
 std::string JsonLinesInputs::place_of_refused(const Simulation& simulation) const {
-  // Found by offering more and more of the tick: an input may be valid only after one before it (a spawn).
+  // Offers the simulation more and more inputs of the tick. An input may be valid only after an earlier one (a spawn).
   std::vector<engine::Input> inputs;
   for (const Line& line : tick_lines_) {
     inputs.push_back(line.input);

@@ -1,10 +1,9 @@
 // Inputs of the engine as JSON Lines, from a file or live from a pipe, tick by tick in bounded memory.
 // SPDX-License-Identifier: MIT
 //
-// One JSON object a line (engine/scene/scene_json.h), ticks ascending; lines of blanks are skipped. The inputs of a
-// tick are complete when a line of a later tick, an `end` or the end of the file has been read. Nothing may follow an
-// `end`, in its own tick neither. Within a tick, inputs apply player by player, each player's in the order of the
-// lines.
+// One JSON object per line (engine/scene/scene_json.h), ticks ascending; blank lines are skipped. The inputs of a tick
+// are complete after a line of a later tick, an `end` or the end of the file. No input may follow an `end`, even within
+// its tick. Within a tick, inputs apply player by player, and the inputs of a player apply in the order of the lines.
 #pragma once
 
 #include <cstdint>
@@ -33,15 +32,15 @@ class LineReader {
   LineReader& operator=(LineReader&&) = delete;
   ~LineReader();
 
-  /// The next line without its line break, valid until the next call; nothing at the end. `stop` is asked while waiting
-  /// for a pipe. Errors: io, limit (a line too long).
+  /// The next line without its line break, valid until the next call; absent at the end. `stop` is called while the
+  /// reader waits for a pipe. Errors: io, limit (a line too long).
   Result<std::optional<std::string_view>> next(const std::function<bool()>& stop);
 
   const std::string& name() const { return name_; }           // for messages: the path, or "standard input"
-  std::uint64_t line_number() const { return line_number_; }  // of the line returned last, from 1
+  std::uint64_t line_number() const { return line_number_; }  // of the last returned line, from 1
   std::uint64_t offset() const { return offset_; }            // bytes read so far
   bool is_file() const { return is_file_; }                   // a regular file, which can be read again
-  std::uint64_t file_size() const { return file_size_; }      // bytes; 0 where not known
+  std::uint64_t file_size() const { return file_size_; }      // bytes; 0 if unknown
   std::string place() const { return name_ + ":" + std::to_string(line_number_); }
 
  private:
@@ -56,20 +55,20 @@ class LineReader {
   std::uint64_t line_number_ = 0;
   std::uint64_t offset_ = 0;
   std::string buffer_;
-  std::size_t start_ = 0;  // of what is in the buffer and not yet returned
+  std::size_t start_ = 0;  // the first byte in the buffer that is not yet returned
 };
 
 /// A summary of a file of inputs.
 struct InputSummary {
-  std::uint64_t count = 0;                // without `end`
-  std::uint64_t last_tick = 0;            // of the last input; 0 if there is none
+  std::uint64_t count = 0;                // inputs other than `end`
+  std::uint64_t last_tick = 0;            // of the last input; 0 without inputs
   std::optional<std::uint64_t> end_tick;  // of the `end` input
 };
 
 class JsonLinesInputs : public replay::InputSource {
  public:
   struct Options {
-    bool needs_end = false;      // the file says when the session ends: no `end` is an error
+    bool needs_end = false;      // an input file without `end` is an error
     std::function<bool()> stop;  // called while waiting for live inputs; true: io error; may be empty
   };
   /// The scene must outlive the source. `path` "-": standard input. Errors: io.
@@ -79,10 +78,11 @@ class JsonLinesInputs : public replay::InputSource {
   Result<std::optional<TickInput>> next(std::uint64_t tick) override;
   bool repeatable() const override { return lines_.is_file(); }
 
-  /// Which line of the tick returned last `simulation` would refuse, as "file:line". Requires: it refused the tick.
+  /// The place "file:line" of the first input in the last returned tick that `simulation` refuses. Requires:
+  /// `simulation` refused the tick.
   std::string place_of_refused(const Simulation& simulation) const;
 
-  /// Whether next() failed: then the message of that error already contains the place.
+  /// Whether next() failed. The message of its error then already contains the place.
   bool gave_error() const { return gave_error_; }
   std::uint64_t count() const { return count_; }  // inputs returned so far
 
@@ -96,27 +96,27 @@ class JsonLinesInputs : public replay::InputSource {
 
   JsonLinesInputs(const engine::Scene& scene, LineReader lines, Options options)
       : scene_(scene), options_(std::move(options)), lines_(std::move(lines)) {}
-  /// Reads the next input into pending_ and checks it and its order; pending_ is empty at the end.
+  /// Reads the next input into pending_, and checks the input and its order. pending_ is empty at the end.
   Status read_pending();
   Result<std::optional<TickInput>> collect(std::uint64_t tick);
 
   const engine::Scene& scene_;
   Options options_;
   LineReader lines_;
-  std::optional<Line> pending_;  // read, not yet returned
+  std::optional<Line> pending_;  // read, but not yet returned
   bool at_end_ = false;          // no line follows pending_
   std::optional<std::uint64_t> end_tick_;
   std::uint64_t last_tick_ = 0;
   bool last_tick_has_inputs_ = false;
-  std::vector<Line> tick_lines_;  // of the tick returned last, in the order in which they apply
+  std::vector<Line> tick_lines_;  // lines of the last returned tick, in the order in which they apply
   Bytes bytes_;
   std::uint64_t count_ = 0;
   bool gave_error_ = false;
 };
 
 /// Reads a whole file and checks each line before the session begins. Errors that only a running simulation can detect
-/// (an id that was never issued) are not checked. `progress` (bytes done, bytes in all) may be
-/// empty. Errors: io, invalid_input, limit.
+/// (an unknown id) are not checked. `progress` (bytes done, bytes in total) may be empty. Errors: io, invalid_input,
+/// limit.
 Result<InputSummary> check_inputs(const engine::Scene& scene, const std::string& path,
                                   const std::function<void(std::uint64_t, std::uint64_t)>& progress);
 

@@ -1,4 +1,4 @@
-// Playing a trace, from its start or from a checkpoint.
+// Plays a trace from its start or from a checkpoint.
 // SPDX-License-Identifier: MIT
 #include "tool/session/playback.h"
 
@@ -13,7 +13,7 @@
 namespace ticktrue::verifier {
 namespace {
 
-/// Puts the engine at the last checkpoint at or before the tick; where that cannot be, at the start, as made.
+/// Sets the engine to the last checkpoint at or before the tick. If no checkpoint fits, the engine stays at the start.
 void go_to(replay::TraceReader& reader, engine::Engine& engine, std::uint64_t tick) {
   const bool same_columns = !first_schema_difference(reader.setup().schema, *engine.state().schema, Ranges::inside);
   if (tick > 0 && same_columns && reader.seek(tick)) {

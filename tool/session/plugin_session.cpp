@@ -1,4 +1,4 @@
-// Running and recording a plug-in's simulation.
+// Runs and records the simulation of a plug-in.
 // SPDX-License-Identifier: MIT
 #include "tool/session/plugin_session.h"
 
@@ -42,7 +42,7 @@ std::optional<Bytes> bytes_of_hex(const std::string& text) {
   return bytes;
 }
 
-/// Inputs as bytes, read whole.
+/// Inputs as bytes. Reads the whole file at once.
 class ByteInputs : public replay::InputSource {
  public:
   Status read(const std::string& path) {
@@ -101,8 +101,8 @@ class ByteInputs : public replay::InputSource {
   double dt_ = dt_default_s;
 };
 
-/// The session of a trace: its setup, its inputs, its length. Errors: usage (--inputs as well, another simulation),
-/// what TraceReader::open refuses.
+/// Takes setup, inputs and length of the session from a trace. Errors: usage (--inputs as well, another simulation);
+/// those of TraceReader::open.
 Status take_trace(const PluginSession& session, OpenPluginSession& made) {
   if (!session.inputs.empty())
     return Error{ErrorCode::usage, "--inputs: found a trace to run again, expected none: a trace has its own", ""};

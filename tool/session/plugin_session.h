@@ -1,4 +1,5 @@
-// `run` and `record` of a plug-in's simulation: setup and inputs as bytes, since only the plug-in knows what they mean.
+// `run` and `record` for the simulation of a plug-in. Setup and inputs are bytes, because only the plug-in knows their
+// meaning.
 // SPDX-License-Identifier: MIT
 #pragma once
 
@@ -26,9 +27,9 @@ struct PluginSession {
   bool json = false;
 };
 
-/// Whether SCENE is meant for a plug-in.
+/// Whether SCENE is the setup of a plug-in.
 bool has_plugin();
-/// The session, made and not yet run.
+/// A session that is made but has not run.
 struct OpenPluginSession {
   const SimulationInfo* info = nullptr;
   Bytes setup;
@@ -37,32 +38,32 @@ struct OpenPluginSession {
   std::unique_ptr<Simulation> simulation;
   std::unique_ptr<replay::InputSource> inputs;
 };
-/// Errors: usage (several plug-ins, no number of ticks), io, invalid_input, and what the plug-in refuses.
-/// Requires: has_plugin().
+/// Errors: usage (several plug-ins, no number of ticks), io, invalid_input, those of the plug-in. Requires:
+/// has_plugin().
 Result<OpenPluginSession> open_plugin_session(const PluginSession& session);
-/// The setup for a trace of it.
+/// The setup of a trace of this session.
 replay::TraceSetup plugin_trace_setup(const OpenPluginSession& made, const verifier::TraceChoices& choices);
 
-/// The exit code. Require: has_plugin().
+/// Returns the exit code. Requires: has_plugin().
 int run_plugin(const PluginSession& session);
 int record_plugin(const PluginSession& session);
 
-/// What came of the ticks of a simulation.
+/// The result of the ticks of a simulation.
 struct PluginRun {
   std::uint64_t tick_count = 0;
   double time_s = 0;               // simulated
-  std::optional<NonFinite> found;  // in the last tick
+  std::optional<NonFinite> found;  // not finite after the last tick
   verifier::TickTimes times;       // wall time of the steps
 };
-/// Runs at most so many ticks, to the end of the inputs, a stop signal or a value that is not finite.
-/// Errors: those of the source, of Simulation::accept and of Simulation::step.
+/// Runs at most `tick_count` ticks. Stops earlier at the end of the inputs, at a stop signal, or at a value that is not
+/// finite. Errors: those of the source, of Simulation::accept and of Simulation::step.
 Result<PluginRun> run_ticks(Simulation& simulation, replay::InputSource& inputs, std::uint64_t tick_count);
 
-/// `replay` of a plug-in's trace: after each of the ticks first..last, every n-th, its tables as lines of text, or as
-/// one JSON object. Whether the trace is one of a loaded plug-in says is_plugin_trace.
+/// Whether a trace is from a loaded plug-in. `replay` of such a trace shows the tables after every n-th of the ticks
+/// first..last, as lines of text or as one JSON object.
 bool is_plugin_trace(const replay::TraceSetup& setup);
 int replay_plugin(replay::TraceReader& reader, std::uint64_t first, std::uint64_t last, std::uint64_t every, bool json);
-/// The same with a simulation that was made from the setup of the trace.
+/// The same, with a simulation made from the setup of the trace.
 int replay_with(Simulation& simulation, replay::TraceReader& reader, std::uint64_t first, std::uint64_t last,
                 std::uint64_t every, bool json);
 

@@ -1,4 +1,4 @@
-// Setting a key of a scene through its JSON form.
+// Sets a key of a scene through its JSON form.
 // SPDX-License-Identifier: MIT
 #include "tool/session/scene_key.h"
 
@@ -34,7 +34,7 @@ std::optional<std::size_t> index_of(const std::string& part) {
   return index;
 }
 
-/// "0.1:0.9:9" as nine values; nothing if it is no such range.
+/// Parses "0.1:0.9:9" into nine values; absent if the text is not such a range.
 std::optional<std::vector<std::string>> range_of(const std::string& text) {
   const std::vector<std::string> parts = parts_of(text, ':');
   if (parts.size() != 3) return {};
@@ -93,7 +93,7 @@ Result<VariedKey> parse_varied(const std::string& text, const std::string& optio
   else if (values.find(':') != std::string::npos && values.find_first_of("[{\"") == std::string::npos)
     return wrong("FIRST:LAST:COUNT with 2 to 1000 values");
   else if (values.find_first_of("[{\"") != std::string::npos)
-    varied.values = {values};  // one JSON value
+    varied.values = {values};  // the whole text is one JSON value
   else
     varied.values = parts_of(values, ',');
   if (varied.values.size() > value_count_max) return wrong("at most 1000 values");

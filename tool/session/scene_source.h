@@ -1,4 +1,4 @@
-// A scene and its inputs as a source of records without results: for mode `twice` without a recording.
+// A scene and its inputs as a source of records without results. Mode `twice` uses it without a recording.
 // SPDX-License-Identifier: MIT
 #pragma once
 
@@ -13,17 +13,17 @@ namespace ticktrue::verifier {
 
 class SceneSource : public TraceSource {
  public:
-  /// `inputs` must outlive this and is read once. `tick_count` absent: until the inputs end.
+  /// `inputs` must outlive this object and is read once. `tick_count` absent: runs until the inputs end.
   SceneSource(const engine::Engine& engine, replay::InputSource& inputs, std::optional<std::uint64_t> tick_count);
 
   const replay::TraceSetup& setup() const override { return setup_; }
   const replay::TraceReader::Item& next() override;
   bool seek(std::uint64_t) override { return false; }
-  void rewind() override {}  // it is read once, from its start
+  void rewind() override {}  // the source is read only once, from its start
   const replay::TraceTail& tail() const override { return tail_; }
   std::optional<std::uint64_t> tick_count_hint() const override { return tick_count_; }
 
-  /// Why the inputs ended early, where they failed.
+  /// The error that ended the inputs early, if any.
   const std::optional<Error>& error() const { return error_; }
 
  private:

@@ -1,4 +1,4 @@
-// Running a session, the setup of its trace, and its measures.
+// Runs a session, makes the setup of its trace, and measures the run.
 // SPDX-License-Identifier: MIT
 #include "tool/session/session.h"
 
@@ -84,7 +84,7 @@ Result<RunResult> run_session(engine::Engine& engine, replay::InputSource& sourc
     if (!did) return did.error();
     result.non_finite = find_non_finite_of(engine, result.tick_count);
     if (result.non_finite) break;
-    result.times.add(step_s);  // of the ticks that count
+    result.times.add(step_s);  // only ticks with finite values count
     ++result.tick_count;
     if (progress && !progress(result.tick_count)) {
       result.stopped = true;

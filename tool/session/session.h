@@ -16,7 +16,7 @@
 
 namespace ticktrue::verifier {
 
-/// What is chosen at recording.
+/// The choices of a recording.
 struct TraceChoices {
   replay::Detail detail = replay::Detail::root;
   std::uint64_t full_first = 0;  // with Detail::full
@@ -30,11 +30,11 @@ replay::TraceSetup make_trace_setup(const engine::Engine& engine, const TraceCho
 /// The facts about this build that go into traces.
 replay::BuildFacts make_build_facts();
 
-/// Times of ticks in bounded memory: a histogram of logarithmic buckets, 1 % wide.
+/// Times of ticks in bounded memory: a histogram of logarithmic buckets, each 1 % wide.
 class TickTimes {
  public:
   void add(double seconds);
-  /// To within 1 %; 0 without ticks.
+  /// Accurate to 1 %; 0 without ticks.
   double median_s() const { return quantile_s(0.5); }
   double quantile_s(double share) const;
   double sum_s() const { return sum_s_; }
@@ -49,13 +49,13 @@ struct RunResult {
   std::uint64_t tick_count = 0;
   TickTimes times;
   std::uint64_t root_hash = 0;
-  bool stopped = false;  // progress said so
+  bool stopped = false;  // `progress` returned false
   std::optional<NonFinite> non_finite;
 };
 
 /// Runs without recording, until `tick_count` ticks are done, the source ends, or a value is not finite. `progress`
-/// (ticks done) may be empty; false stops. Errors: unsupported
-/// (check_float_behaviour), io, invalid_input, limit.
+/// (ticks done) may be empty; false stops the run. Errors: unsupported (check_float_behaviour), io, invalid_input,
+/// limit.
 Result<RunResult> run_session(engine::Engine& engine, replay::InputSource& source,
                               std::optional<std::uint64_t> tick_count,
                               const std::function<bool(std::uint64_t)>& progress);

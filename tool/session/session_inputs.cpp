@@ -1,4 +1,4 @@
-// Opening the inputs of a session.
+// Opens the inputs of a session.
 // SPDX-License-Identifier: MIT
 #include "tool/session/session_inputs.h"
 
@@ -148,7 +148,7 @@ std::string clock_text(const engine::Scene& scene, const engine::ClockReport& re
 }
 
 Error with_input_place(const Error& error, const SessionInputs& inputs, const Simulation& simulation) {
-  // The source's own errors begin with the place.
+  // Errors of the source already begin with the place.
   if (inputs.clock != nullptr && inputs.clock->frames_failed()) return error;
   if (error.code != ErrorCode::invalid_input || inputs.lines == nullptr || inputs.lines->gave_error()) return error;
   return Error{error.code, inputs.lines->place_of_refused(simulation) + ": " + error.message, error.hint};

@@ -1,4 +1,5 @@
-// The inputs of `run` and `record`: checked before the run; errors during the run get the place of the input.
+// The inputs of `run` and `record`. They are checked before the run; an error during the run gets the place of the
+// input.
 // SPDX-License-Identifier: MIT
 #pragma once
 
@@ -19,12 +20,12 @@ namespace ticktrue::cli {
 
 struct SessionInputs {
   std::unique_ptr<replay::InputSource> source;
-  const verifier::JsonLinesInputs* lines = nullptr;  // the same, where there are any
-  const verifier::ClockedInputs* clock = nullptr;    // where a clock gives the ticks their length
-  std::uint64_t ticks_expected = 0;                  // for the progress bar; 0: not known
+  const verifier::JsonLinesInputs* lines = nullptr;  // the JSON Lines among `source`; null: none
+  const verifier::ClockedInputs* clock = nullptr;    // the clock that sets the length of ticks; null: none
+  std::uint64_t ticks_expected = 0;                  // for the progress bar; 0: unknown
 };
 
-/// --threads of a tick: of the engine, since a plug-in's ticks have one.
+/// Adds --threads, the number of threads in a tick of the engine. A plug-in's tick always has one.
 void add_threads_option(CLI::App& command, std::uint64_t& thread_count);
 /// Errors: usage (several threads for a plug-in).
 Status check_threads(std::uint64_t thread_count);
@@ -37,7 +38,7 @@ struct HostOptions {
 };
 void add_host_options(CLI::App& command, HostOptions& options);
 
-/// Uses the clock of the scene, if a host is given or the clock does not make one tick of dt per frame.
+/// Uses the scene's clock if a host is given, or if the clock does not make one tick of dt per frame.
 /// Errors: io.
 Status use_clock(SessionInputs& inputs, const HostOptions& options, engine::Engine& engine);
 
@@ -45,16 +46,16 @@ Status use_clock(SessionInputs& inputs, const HostOptions& options, engine::Engi
 Json clock_json(const engine::Scene& scene, const engine::ClockReport& report);
 std::string clock_text(const engine::Scene& scene, const engine::ClockReport& report);
 
-/// `path` empty: no inputs; "-": standard input. A file is read and checked as a whole first. Without `tick_count`
-/// the inputs must say when the session ends. `scene` must outlive the source.
-/// Errors: usage (neither tick count nor end), io, invalid_input, limit.
+/// Empty `path`: no inputs. "-": standard input. A file is first read and checked as a whole. Without `tick_count` the
+/// inputs must end with `end`. `scene` must outlive the source. Errors: usage (neither tick count nor end), io,
+/// invalid_input, limit.
 Result<SessionInputs> open_session_inputs(const engine::Scene& scene, const std::string& path,
                                           std::optional<std::uint64_t> tick_count);
 
-/// Whether a SCENE argument is the name of a trace: then its scene, inputs and dt are run again.
+/// Whether a SCENE argument is the name of a trace. The scene, inputs and dt of a trace run again.
 bool is_trace_argument(const std::string& scene);
-/// The scene of a trace, and its inputs. Errors: usage (--inputs or a host as well), what TraceReader::open and
-/// scene_of refuse.
+/// The scene of a trace, and its inputs. Errors: usage (--inputs or a host as well); those of TraceReader::open and
+/// scene_of.
 struct TraceSession {
   engine::Scene scene;
   SessionInputs inputs;
@@ -62,7 +63,7 @@ struct TraceSession {
 Result<TraceSession> open_trace_session(const std::string& path, const std::string& inputs, const HostOptions& host,
                                         std::optional<std::uint64_t> tick_count);
 
-/// Adds "file:line" to an error of a tick that the simulation refused; other errors stay as they are.
+/// Adds "file:line" to the error of a tick that the simulation refused. Other errors stay unchanged.
 Error with_input_place(const Error& error, const SessionInputs& inputs, const Simulation& simulation);
 
 }  // namespace ticktrue::cli

@@ -24,7 +24,7 @@ Result<std::unique_ptr<Simulation>> make_checked(ByteView setup, unsigned thread
   return std::unique_ptr<Simulation>(*std::move(made));
 }
 
-/// The engine of this build, with the options of the environment.
+/// The engine of this build, with the options from the environment.
 const SimulationInfo& engine_here() {
   static const SimulationInfo info = [] {
     SimulationInfo checked = engine::engine_info();

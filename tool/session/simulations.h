@@ -1,4 +1,4 @@
-// The list of all simulations that this build can make from a trace, including those of loaded plug-ins.
+// The list of all simulations that this build can make from a trace, including the simulations of loaded plug-ins.
 // SPDX-License-Identifier: MIT
 #pragma once
 
@@ -16,19 +16,19 @@ std::vector<const SimulationInfo*> simulations();
 /// The simulation with this name, or null.
 const SimulationInfo* find_simulation(std::string_view name);
 
-/// Where this environment variable is 1, every engine that the tool makes for a session or a trace checks its cached
-/// structures in every tick (EngineOptions::check_caches). Read once.
+/// If this environment variable is 1, every engine made for a session or a trace checks its caches in every tick
+/// (EngineOptions::check_caches). The variable is read once.
 inline constexpr const char* check_caches_variable = "TICKTRUE_CHECK_CACHES";
 engine::EngineOptions engine_options_of_environment();
 
-/// Whether simulations of it may run on several threads at once. Only what is part of this build is known to share
-/// nothing between them.
+/// Whether several simulations of this kind may run on several threads. Only simulations of this build are known to
+/// share nothing.
 bool runs_on_threads(const SimulationInfo& info);
 
-/// The beginning of commands for traces of this simulation: "ticktrue", and --plugin if it comes from a plug-in.
+/// The beginning of commands for traces of this simulation: "ticktrue", with --plugin for a simulation of a plug-in.
 std::string tool_command(std::string_view simulation);
 
-/// "a, b or c": for error messages.
+/// "a, b or c", for error messages.
 std::string simulation_names();
 
 }  // namespace ticktrue::verifier

@@ -1,4 +1,4 @@
-// Reading a trace once, counting what is in it.
+// Reads a trace once and counts its content.
 // SPDX-License-Identifier: MIT
 #include "tool/session/trace_summary.h"
 
