@@ -9,7 +9,7 @@ namespace {
 
 using Indices = std::vector<std::size_t>;
 
-/// Part `part` of `part_count` about equal ones: its first and last position.
+/// First and last position of part `part`, if the list is split into `part_count` parts of about equal size.
 std::pair<std::size_t, std::size_t> part_of(std::size_t size, std::size_t part, std::size_t part_count) {
   return {size * part / part_count, size * (part + 1) / part_count};
 }

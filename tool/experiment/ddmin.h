@@ -9,7 +9,7 @@
 
 namespace ticktrue::verifier::soak {
 
-/// A subset of the indices 0..count-1, ascending, of which no single index can be removed. `fails` is called at most
+/// A subset of the indices 0..count-1, ascending, from which no single index can be removed. `fails` is called at most
 /// once with all indices. Requires: all indices together fail; `fails` returns false after the limit of tests.
 std::vector<std::size_t> ddmin(std::size_t count, const std::function<bool(const std::vector<std::size_t>&)>& fails);
 

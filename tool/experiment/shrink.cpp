@@ -1,4 +1,4 @@
-// Parts of a world that can be left out, and the search for the smallest that fails.
+// Removes parts of a world, and searches for the smallest world that still fails.
 // SPDX-License-Identifier: MIT
 #include "tool/experiment/shrink.h"
 
@@ -22,7 +22,7 @@ using Indices = std::vector<std::size_t>;
 
 constexpr std::uint32_t gone = 0xffffffff;
 
-/// New index of each of `count` old indices; `gone` for a removed one.
+/// The new index of each of `count` old indices; `gone` for a removed index.
 std::vector<std::uint32_t> renumbering(std::size_t count, const Indices& remaining) {
   std::vector<std::uint32_t> to(count, gone);
   for (std::size_t i = 0; i < remaining.size(); ++i) to[remaining[i]] = static_cast<std::uint32_t>(i);
@@ -36,7 +36,7 @@ std::vector<T> select(const std::vector<T>& all, const Indices& remaining) {
   return some;
 }
 
-/// The settings that say how the engine computes. The others say what the world does.
+/// The settings that define how the engine computes. The other settings define the behaviour of the world.
 auto method_of(const engine::Settings& settings) {
   return std::tie(settings.precision, settings.dt, settings.substeps, settings.auto_substeps, settings.iterations,
                   settings.solver, settings.integrator, settings.broad_phase, settings.locate_impacts, settings.joints,
@@ -95,7 +95,8 @@ class Shrinker {
     std::erase_if(candidate.inputs, [&](const Input& input) { return input.tick >= tick_count; });
     return take_if_fails(std::move(candidate));
   }
-  /// Halves, then ever smaller steps: a world may fail at several ticks.
+  /// Tries half of the ticks, then smaller steps. A world may fail at several ticks, so the search does not assume a
+  /// single limit.
   void search_ticks() {
     for (std::uint64_t step = smallest_.tick_count / 2; step > 0; step /= 2)
       while (step < smallest_.tick_count && shorten_to(smallest_.tick_count - step)) {
@@ -118,7 +119,7 @@ class Shrinker {
     });
   }
 
-  /// Prototypes that nothing spawns.
+  /// Removes prototypes that are never spawned.
   void remove_prototypes() {
     SoakCase candidate = smallest_;
     Indices remaining;
@@ -255,7 +256,7 @@ SoakCase with_joints(const SoakCase& soak_case, const Indices& remaining) {
 
 SoakCase with_inputs(const SoakCase& soak_case, const Indices& remaining) {
   SoakCase some = soak_case;
-  // The nth spawn makes the body with the nth id behind those of the scene.
+  // Spawns create bodies in order, with ids after those of the scene.
   const auto first_id = static_cast<std::uint32_t>(soak_case.scene.bodies.size());
   Indices spawns;
   std::vector<bool> is_remaining(soak_case.inputs.size());

@@ -1,4 +1,4 @@
-// Inputs of a case, tick by tick.
+// Encodes the inputs of a case tick by tick.
 // SPDX-License-Identifier: MIT
 #include "tool/experiment/soak_case.h"
 

@@ -1,4 +1,4 @@
-// A world to examine: a scene, its inputs and how many ticks it runs.
+// A world to examine: a scene, its inputs and its number of ticks.
 // SPDX-License-Identifier: MIT
 #pragma once
 
@@ -19,11 +19,11 @@ namespace ticktrue::verifier::soak {
 
 struct SoakCase {
   engine::Scene scene;
-  std::vector<engine::Input> inputs;  // ascending by tick; `end` counts for nothing
+  std::vector<engine::Input> inputs;  // ascending by tick; `end` has no effect
   std::uint64_t tick_count = 0;
 };
 
-/// Makes the engines of every run. Tests put one with an injected fault here.
+/// Makes the engines of every run. Tests replace it by a maker of engines with an injected fault.
 using EngineMaker =
     std::function<Result<std::unique_ptr<engine::Engine>>(const engine::Scene&, const engine::EngineOptions&)>;
 
@@ -32,7 +32,7 @@ class CaseInputs {
  public:
   explicit CaseInputs(const SoakCase& soak_case);
 
-  /// Valid as long as this object.
+  /// The returned bytes are valid as long as this object.
   TickInput at(std::uint64_t tick) const;
 
  private:
@@ -41,7 +41,7 @@ class CaseInputs {
   std::vector<Bytes> bytes_;  // [tick]
 };
 
-/// The same as the recorder reads inputs.
+/// The inputs of a case as a source for the recorder.
 class CaseSource : public replay::InputSource {
  public:
   CaseSource(const CaseInputs& inputs, std::uint64_t tick_count) : inputs_(inputs), tick_count_(tick_count) {}
@@ -56,7 +56,7 @@ class CaseSource : public replay::InputSource {
   std::uint64_t tick_count_;
 };
 
-/// SplitMix64 of the sum of a multiple of `a` and of `b`: one draw for each pair.
+/// SplitMix64 of the sum of `b` and a multiple of `a`: one pseudo-random number for each pair.
 std::uint64_t mix(std::uint64_t a, std::uint64_t b);
 
 }  // namespace ticktrue::verifier::soak

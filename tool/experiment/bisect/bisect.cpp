@@ -1,4 +1,4 @@
-// Bisection by git, commit by commit.
+// Bisects the history of a repository with git, commit by commit.
 // SPDX-License-Identifier: MIT
 #include "tool/experiment/bisect/bisect.h"
 
@@ -38,7 +38,7 @@ class Bisection {
     for (const auto& [commit, kind] : {std::pair(*good, Kind::good), std::pair(*bad, Kind::bad)})
       if (const Status as_said = check_end(tree, commit, kind); !as_said) return as_said.error();
     if (const auto begun = git(tree.path(), {"bisect", "start", bad->hash, good->hash}); !begun) return begun.error();
-    if (const Status asked = find_suspects(tree); !asked) return asked.error();  // neighbours: git knows already
+    if (const Status asked = find_suspects(tree); !asked) return asked.error();  // git knows it of neighbours
     while (suspects_.empty())
       if (const Status did = judge_next(tree); !did) return did.error();
     return BisectReport{std::move(judged_), std::move(suspects_)};
@@ -54,7 +54,7 @@ class Bisection {
     return verdict;
   }
 
-  /// The two ends must be what they are said to be.
+  /// Checks that a given end of the range is good or bad as stated.
   Status check_end(const WorkTree& tree, const Commit& commit, Kind expected) {
     if (const Status out = tree.check_out(commit.hash); !out) return out;
     const Result<CommitVerdict> verdict = judge(tree, commit);
@@ -72,15 +72,15 @@ class Bisection {
     if (!commit) return commit.error();
     const Result<CommitVerdict> verdict = judge(tree, *commit);
     if (!verdict) return verdict.error();
-    // What a build has left must not keep git from the next commit.
+    // Changes that a build left in the work tree must not stop git from checking out the next commit.
     if (const auto clean = git(tree.path(), {"reset", "--quiet", "--hard"}); !clean) return clean.error();
     const auto told = git(tree.path(), {"bisect", word_of(verdict->kind)});
     if (const Status asked = find_suspects(tree); !asked) return asked;
-    if (!told && suspects_.empty()) return told.error();  // git fails, too, where only skipped commits are left
+    if (!told && suspects_.empty()) return told.error();  // git also fails if only skipped commits are left
     return {};
   }
 
-  /// The answer, where git has one: it stands in the log of the bisection.
+  /// Reads the result from the log of the bisection, if git has found one.
   Status find_suspects(const WorkTree& tree) {
     const auto log = git(tree.path(), {"bisect", "log"});
     if (!log) return log.error();

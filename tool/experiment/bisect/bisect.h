@@ -19,19 +19,20 @@ struct JudgedCommit {
 
 struct BisectReport {
   std::vector<JudgedCommit> judged;  // in the order in which they were judged; good and bad first
-  std::vector<Commit> suspects;      // the first bad commit alone, or all that may be it where some were skipped
+  std::vector<Commit> suspects;      // the first bad commit; or all candidates, if some of them were skipped
 };
 
 struct BisectOptions {
   JudgeOptions judge;
-  std::string repository;   // a folder in it
-  std::string work_folder;  // where the work tree is made; not in the repository
+  std::string repository;   // any folder in the repository
+  std::string work_folder;  // folder for the work tree; not in the repository
   std::string good;
   std::string bad;
   std::function<bool(const JudgedCommit& judged)> progress;  // false stops; may be empty
 };
 
-/// Errors: usage (no such commit; the good one fails, the bad one does not); unsupported (git; it was stopped); io.
+/// Errors: usage (no such commit, the good commit fails, the bad commit does not fail); unsupported (git failed, or
+/// `progress` stopped the search); io.
 Result<BisectReport> run_bisect(const BisectOptions& options, const verifier::VerdictStore& store);
 
 std::string bisect_text(const BisectReport& report);

@@ -1,4 +1,4 @@
-// Builds commits, runs their programs, and keeps their verdicts.
+// Builds commits, runs their programs on traces, and stores their verdicts.
 // SPDX-License-Identifier: MIT
 #include "tool/experiment/bisect/commit_judge.h"
 
@@ -31,7 +31,7 @@ verifier::ChildResult run_in(const std::string& folder, const std::string& comma
   return verifier::run_child(child);
 }
 
-/// A failure as a report that the store can keep.
+/// Converts a failure to a report that the store can hold.
 verifier::Report report_of(const std::string& trace, const std::optional<Failure>& found) {
   verifier::Report report;
   report.file = trace;
@@ -72,7 +72,7 @@ Result<CommitVerdict> CommitJudge::judge(const std::string& work_tree) {
   return build_and_run(work_tree, *identity);
 }
 
-/// Names the files that the verdict depends on: their hashes in git.
+/// The git hashes of the files that the verdict depends on.
 Result<std::string> CommitJudge::identity_of_tree(const std::string& work_tree) const {
   if (options_.paths.empty()) return git(work_tree, {"rev-parse", "HEAD^{tree}"});
   std::vector<std::string> words{"ls-tree", "HEAD", "--"};
@@ -91,7 +91,7 @@ Result<std::string> CommitJudge::key_of(const std::string& identity, const std::
   return verifier::verdict_key(subject);
 }
 
-/// A verdict, where the store has one of a trace that fails, or of every trace.
+/// The stored verdict, if the store has a failing verdict for one trace or a verdict for every trace.
 Result<std::optional<CommitVerdict>> CommitJudge::from_store(const std::string& identity) const {
   bool knows_all = true;
   for (const std::string& trace : options_.traces) {

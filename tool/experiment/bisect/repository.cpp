@@ -44,7 +44,7 @@ WorkTree::WorkTree(WorkTree&& other) noexcept
 
 WorkTree::~WorkTree() {
   if (path_.empty()) return;
-  static_cast<void>(git(path_, {"bisect", "reset", "HEAD"}).has_value());  // fails where none has begun
+  static_cast<void>(git(path_, {"bisect", "reset", "HEAD"}).has_value());  // fails if no bisection has begun
   static_cast<void>(git(folder_, {"worktree", "remove", "--force", path_}).has_value());
 }
 

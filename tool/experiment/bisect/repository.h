@@ -1,4 +1,4 @@
-// A git repository, and a work tree of its own in which commits are built: the user's checkout stays as it is.
+// A git repository, and a separate work tree for building commits. The user's checkout does not change.
 // SPDX-License-Identifier: MIT
 #pragma once
 
@@ -14,8 +14,8 @@ struct Commit {
   std::string subject;  // first line of the message
 };
 
-/// Runs git in a folder. Returns its output without the last line break. Errors: unsupported (git fails, with what it
-/// said).
+/// Runs git in a folder. Returns its output without the last line break. Errors: unsupported (git failed; the message
+/// contains its output).
 Result<std::string> git(const std::string& folder, const std::vector<std::string>& words);
 
 /// Errors: usage (no such commit).
@@ -23,11 +23,11 @@ Result<Commit> find_commit(const std::string& folder, const std::string& name);
 
 class WorkTree {
  public:
-  /// A detached work tree of the repository that `folder` belongs to, at `path`. Errors: unsupported.
+  /// Makes a detached work tree at `path`, of the repository that contains `folder`. Errors: unsupported.
   static Result<WorkTree> make(const std::string& folder, const std::string& path, const std::string& commit);
   WorkTree(WorkTree&& other) noexcept;
   WorkTree& operator=(WorkTree&&) = delete;
-  ~WorkTree();  // removes it, and what a bisection has left in it
+  ~WorkTree();  // removes the work tree and the state of an unfinished bisection
 
   const std::string& path() const { return path_; }
   /// Errors: unsupported.

@@ -1,4 +1,4 @@
-// Names of checks, and variants as people write them.
+// Names of checks, and the text form of variants.
 // SPDX-License-Identifier: MIT
 #include "tool/experiment/oracle/checks.h"
 

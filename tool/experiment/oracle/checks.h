@@ -1,4 +1,4 @@
-// The checks of `ticktrue soak`: variants of a run that may not change a bit, and rules that every run obeys.
+// The checks of `ticktrue soak`: variants of a run that must not change a bit, and rules that every run obeys.
 // SPDX-License-Identifier: MIT
 #pragma once
 
@@ -33,7 +33,7 @@ struct CheckInfo {
   CheckKind kind;
   std::string_view name;
   std::string_view summary;
-  std::string_view value;  // what the number of a variant means; empty: it has none
+  std::string_view value;  // meaning of a variant's number; empty: the variant has no number
 };
 inline constexpr std::array<CheckInfo, 14> check_table{{
     {CheckKind::finite, "finite", "every stored real is finite, and every tick can be done", ""},
@@ -54,33 +54,33 @@ inline constexpr std::array<CheckInfo, 14> check_table{{
      "index in the list of broad phases"},
 }};
 
-/// One way to examine a world.
+/// One way to run and examine a world.
 struct Variant {
   CheckKind check = CheckKind::finite;
-  std::uint64_t value = 0;  // CheckInfo::value
+  std::uint64_t value = 0;  // its meaning is CheckInfo::value
   bool operator==(const Variant&) const = default;
 };
 
 /// "restore=57".
 std::string variant_text(const Variant& variant);
 
-/// Which checks a soak makes. A variant that is given alone is the only one of its check.
+/// The checks that a soak runs. If a variant of a check is given, no other variant of that check runs.
 struct CheckSelection {
   std::array<bool, check_table.size()> wanted{};
   std::vector<Variant> only;
   static CheckSelection all();
   bool has(CheckKind kind) const { return wanted[static_cast<std::size_t>(kind)]; }
 };
-/// "cold,restore=57": names of checks, or variants. A named check that has no number is made in every world; of the
-/// others a world draws some. Errors: usage.
+/// Parses names of checks or variants: "cold,restore=57". A named check without a number runs in every world. A named
+/// check with numbers draws some numbers for each world. Errors: usage.
 Result<CheckSelection> parse_checks(const std::vector<std::string>& words);
 
 /// What a check found in a world.
 struct Finding {
   Variant variant;
-  std::uint64_t tick = 0;   // the first one that is wrong
+  std::uint64_t tick = 0;   // the first wrong tick
   std::string what;         // "table contacts, column tangent_force, row 3 (box / box), lane 0: expected 0, got -0"
-  bool is_refused = false;  // the world itself was refused: a fault of who made it
+  bool is_refused = false;  // the engine refused the world: a fault of the generator
   bool is_beyond = false;   // the tick needs more than base/limits.h allows
 };
 

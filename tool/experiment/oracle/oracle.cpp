@@ -1,4 +1,4 @@
-// Which variants a world is run in, and what they find.
+// Chooses the variants of a world, runs them, and collects their findings.
 // SPDX-License-Identifier: MIT
 #include "tool/experiment/oracle/oracle.h"
 
@@ -13,7 +13,7 @@ namespace {
 
 struct PlannedVariant {
   Variant variant;
-  double cost = 1;  // in base runs
+  double cost = 1;  // in multiples of the base run
   bool is_required = false;
 };
 
@@ -43,12 +43,12 @@ class Plan {
 
  private:
   void add(const Variant& variant, double cost, bool is_required) { planned_.push_back({variant, cost, is_required}); }
-  static constexpr int repeat_count = 4;  // variants of a check whose numbers are drawn
+  static constexpr int repeat_count = 4;  // variants of a check with drawn numbers
   static constexpr std::size_t pair_count_body_max = 400;
 
   std::uint64_t thread_count() { return random_.below(2) == 0 ? 2 : 4; }
 
-  /// The first one with the broad phase of the scene, the others with a random one that is not quadratic.
+  /// The first variant uses the scene's broad phase. The others use a random broad phase that is not quadratic.
   void add_forgets() {
     constexpr std::uint64_t scene_phase = engine::broad_phases.size();
     add({CheckKind::forget, 6 * random_.below(1u << 20) + scene_phase}, 1.5, true);
@@ -56,7 +56,7 @@ class Plan {
       add({CheckKind::forget, 6 * random_.below(1u << 20) + 2 + random_.below(scene_phase - 2)}, 1.5, false);
   }
 
-  /// Every pair is looked at by brute_force and bounding_circle: for large worlds rarely.
+  /// brute_force and bounding_circle examine every pair, so large worlds rarely run them.
   void add_broad_phases() {
     std::vector<PlannedVariant> others;
     for (const auto& info : engine::broad_phases) {

@@ -1,4 +1,4 @@
-// Momentum, energy, joint gaps and overlaps of a world.
+// Checks momentum, energy, joint gaps and overlaps of a world.
 // SPDX-License-Identifier: MIT
 #include "tool/experiment/oracle/physics_checks.h"
 
@@ -22,13 +22,13 @@ using engine::Joint;
 using engine::Point;
 using engine::Scene;
 
-constexpr double energy_rise_max = 0.05;  // of the largest kinetic energy so far
+constexpr double energy_rise_max = 0.05;  // relative to the largest kinetic energy so far
 constexpr double joint_gap_max = 0.1;     // m
 constexpr double overlap_max = 0.1;       // m
 constexpr std::uint64_t sample_ticks = 8;
-constexpr std::uint64_t settling_ticks = 32;  // worlds may begin with overlaps
+constexpr std::uint64_t settling_ticks = 32;  // worlds may start with overlaps
 
-/// Whether energy only changes by contacts and by joints that store none.
+/// Whether only contacts and joints without stored energy change the energy.
 bool is_undriven(const SoakCase& soak_case) {
   const Scene& scene = soak_case.scene;
   const auto moves_itself = [](const Body& body) {
@@ -44,7 +44,7 @@ bool is_undriven(const SoakCase& soak_case) {
          std::none_of(scene.joints.begin(), scene.joints.end(), drives);
 }
 
-/// For each body, by id: rows of constraints that act on it.
+/// The number of constraint rows that act on each body, by id.
 std::map<std::uint32_t, double> constraint_rows(const StateView& state) {
   std::map<std::uint32_t, double> rows;
   const auto add = [&](std::string_view name, std::size_t first_column, std::size_t second_column, double count) {
@@ -58,12 +58,12 @@ std::map<std::uint32_t, double> constraint_rows(const StateView& state) {
         rows[id] += count;
       }
   };
-  add("contacts", 0, 2, 4);  // body_a, body_b: two points, normal and tangent
+  add("contacts", 0, 2, 4);  // columns body_a and body_b; two points, each with a normal and a tangent row
   add("joints", 2, 3, 6);
   return rows;
 }
 
-constexpr double thesis_static_mass_kg = 1999;  // engine/solvers/impulse.cpp: 2000, less the rounding of f32
+constexpr double thesis_static_mass_kg = 1999;  // engine/solvers/impulse.cpp: 2000, minus the rounding of f32
 
 double epsilon_of(engine::Precision precision) {
   return precision == engine::Precision::f32 ? double{std::numeric_limits<float>::epsilon()}
@@ -74,8 +74,8 @@ double substeps_max(const Scene& scene) {
   return scene.settings.auto_substeps ? scene.settings.auto_substeps->substeps_max : scene.settings.substeps;
 }
 
-/// Largest velocity inside a tick, at least 1 m/s. What pushes overlapping bodies apart is gone at the end of the
-/// substep and shows in how far they moved; impulses on one body may cancel each other.
+/// Largest velocity inside a tick, at least 1 m/s. The velocity that separates overlapping bodies is removed at the end
+/// of the substep, and is only visible in the displacement. Impulses on one body may also cancel each other.
 double speed_inside(const Scene& scene, const Bodies& before, const Bodies& after) {
   double way = 0;
   for (std::size_t i = 0; i < before.size() && i < after.size(); ++i)
@@ -88,7 +88,7 @@ double momentum_bound(const Scene& scene, const StateView& state, const Bodies& 
   const double passes =
       scene.settings.solver == engine::SolverKind::pgs ? scene.settings.iterations : 4 * substeps_max(scene);
   const auto rows = constraint_rows(state);
-  // A solver without contacts in the state may resolve each body against every other one.
+  // A solver without contacts in the state may resolve each body against every other body.
   const engine::SolverInfo& solver = info_of(engine::solvers, scene.settings.solver);
   const bool has_unseen = solver.solves_constraints && !solver.reads_contacts && !after.empty();
   const double rows_unseen = has_unseen ? static_cast<double>(after.size() - 1) : 0;
@@ -144,13 +144,13 @@ std::optional<Finding> check_momentum(const RunContext& context, const BaseRun& 
   const Variant variant{CheckKind::momentum};
   const CaseInputs no_inputs(*space);
   Bodies before = engine.bodies();
-  // The solver of the thesis takes a heavy body for static: what hits it loses momentum.
+  // The solver `impulse` treats a heavy body as static, so a body that hits the heavy body loses momentum.
   const bool is_heavy = std::any_of(before.begin(), before.end(),
                                     [](const BodyReport& body) { return body.mass >= thesis_static_mass_kg; });
   if (is_heavy && space->scene.settings.solver == engine::SolverKind::impulse) return std::nullopt;
   for (std::uint64_t tick = 0; tick < base.tick_count; ++tick) {
     if (auto failed = step_tick(engine, no_inputs.at(tick), tick, variant)) return failed;
-    if (find_non_finite(engine.state())) return std::nullopt;  // of another world than check `finite` looks at
+    if (find_non_finite(engine.state())) return std::nullopt;  // check `finite` examines another world
     Bodies after = engine.bodies();
     const Point p = momentum_of(before), q = momentum_of(after);
     const double change = std::max(std::abs(q.x - p.x), std::abs(q.y - p.y));

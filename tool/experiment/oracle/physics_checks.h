@@ -1,4 +1,4 @@
-// Rules of physics that runs of a world are held against.
+// Rules of physics that are checked on runs of a world.
 // SPDX-License-Identifier: MIT
 #pragma once
 
@@ -13,16 +13,16 @@
 namespace ticktrue::verifier::soak {
 
 /// The dynamic bodies of a world and the joints between them, without gravity, forces, inputs, damping, sleep and
-/// bounds: nothing acts on them from outside. Nothing where fewer than two bodies are left or the scene is not legal.
+/// bounds. Nothing outside acts on the bodies. Absent if fewer than two bodies are left, or if the scene is invalid.
 std::optional<SoakCase> in_free_space(const SoakCase& soak_case);
 
-/// Runs the world in free space and compares its momentum before and after each tick. The bound is that of rounding:
-/// each of the 4 n substeps' velocity changes of a constraint row rounds at most three times, by half a unit in the
-/// last place of the largest velocity, in each of its two bodies; twice that, since velocities inside a tick are only
-/// known by how far bodies moved.
+/// Runs the world in free space, and compares its momentum before and after each tick. The bound is the rounding error.
+/// In each of the 4 n passes, a constraint row changes the velocity of its two bodies. Each change rounds at most three
+/// times, by half a unit in the last place of the largest velocity. The bound is twice that sum, because displacements
+/// only estimate the velocities inside a tick.
 std::optional<Finding> check_momentum(const RunContext& context, const BaseRun& base);
 
-/// What is counted, not refused: docs/soak.md.
+/// Checks whose violations are counted but not refused: docs/soak.md.
 inline constexpr std::array<std::string_view, 5> physics_checks{"energy", "joint_gap", "overlap", "ran_away",
                                                                 "non_finite"};
 struct PhysicsCounts {

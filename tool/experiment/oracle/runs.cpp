@@ -1,4 +1,4 @@
-// The base run of a world, and runs of variants that must produce the same bits.
+// The base run of a world, and runs of variants that must give the same bits.
 // SPDX-License-Identifier: MIT
 #include "tool/experiment/oracle/runs.h"
 
@@ -26,7 +26,7 @@ std::uint32_t rows_of(const StateView& state, std::string_view table) {
   return found ? state.tables[*found].row_count : 0;
 }
 
-/// Substeps of all bodies, one for each body and substep.
+/// The number of substeps of all bodies, summed over bodies.
 std::uint64_t body_substeps(const engine::Scene& scene, const StateView& state) {
   const auto table = state.schema->find_table("substeps");
   if (!table) return std::uint64_t{rows_of(state, "bodies")} * static_cast<std::uint64_t>(scene.settings.substeps);
@@ -58,7 +58,7 @@ std::uint64_t work_of_tick(const engine::Scene& scene, const StateView& state) {
 
 namespace {
 
-/// Structures that were used again between two reports.
+/// Caches that were hit between two reports.
 CacheSet hit_between(const CacheReport& before, const CacheReport& after) {
   CacheSet set = 0;
   for (const engine::CacheInfo& info : engine::cache_kinds) {
@@ -84,8 +84,8 @@ std::string place_of_tick_text(const Engine& engine, const StateView& state, con
          (name.empty() ? "" : " (" + name + ")") + ", lane " + std::to_string(place.lane);
 }
 
-/// The tables of `state` that `schema` has, in its order: what two pipelines share. Nothing where one is missing or
-/// differs.
+/// The tables of `state` that are also in `schema`, in the order of `schema`: the tables that two pipelines share.
+/// Absent if a table is missing or differs.
 std::optional<StateView> shared_tables(const StateView& state, const StateSchema& schema) {
   StateView shared{&schema, {}};
   for (const TableSchema& table : schema.tables) {
@@ -96,8 +96,8 @@ std::optional<StateView> shared_tables(const StateView& state, const StateSchema
   return shared;
 }
 
-/// Forces that grow with the distance, and sliders on what spins, drive bodies out of every bound. What follows is
-/// rounding and overflow.
+/// Forces that grow with distance, and prismatic joints on rotating bodies, can drive bodies beyond every limit. The
+/// following ticks show only rounding and overflow.
 bool has_run_away(const Engine& engine) {
   const auto is_beyond = [](const engine::Point& point, double most) {
     return !(std::abs(point.x) <= most && std::abs(point.y) <= most);
@@ -135,7 +135,7 @@ class BaseWalk {
       encode_image(engine_->state(), run_.images[tick]);
     const CacheReport before = engine_->cache_report();
     if (auto failed = step_tick(*engine_, context_.inputs.at(tick), tick, {CheckKind::finite})) {
-      // A tick that needs more than the limits allow ends the world; that is no fault.
+      // A tick that exceeds the limits ends the world, and is no fault.
       if (!failed->is_beyond) run_.findings.push_back(*std::move(failed));
       run_.images.erase(tick);
       return false;
@@ -158,7 +158,7 @@ class BaseWalk {
     return true;
   }
 
-  /// False: a value is not finite, and no later tick means anything.
+  /// False: a value is not finite, so later ticks are meaningless.
   bool check_values(const StateView& state, std::uint64_t tick) {
     if (const auto found = find_non_finite_of(*engine_, tick)) {
       run_.joints_failed = !context_.soak_case.scene.joints.empty();
@@ -184,7 +184,7 @@ class BaseWalk {
   BaseRun run_;
 };
 
-/// A run in another way.
+/// Runs a variant of the world.
 class VariantWalk {
  public:
   VariantWalk(const RunContext& context, const BaseRun& base, const Variant& variant, RunTally& tally)
@@ -201,7 +201,7 @@ class VariantWalk {
       tick = variant_.value;
       if (tick >= base_.tick_count) return std::nullopt;
       const Bytes image = image_before(tick);
-      // What the engine did before the load must leave nothing behind.
+      // The engine runs a tick before the load, because no earlier tick may influence the loaded state.
       if (auto failed = step_tick(*engine_, context_.inputs.at(0), 0, variant_)) return failed;
       if (const Status loaded = engine_->load(image); !loaded)
         return make_failure(variant_, tick, "load: " + loaded.error().message, false);
@@ -216,10 +216,10 @@ class VariantWalk {
   engine::EngineOptions engine_options() {
     engine::EngineOptions options;
     switch (variant_.check) {
-      case CheckKind::forget:  // five broad phases, and that of the scene
+      case CheckKind::forget:  // the five broad phases, or the scene's own
         if (variant_.value % (engine::broad_phases.size() + 1) < engine::broad_phases.size())
           options.broad_phase = engine::broad_phases[variant_.value % (engine::broad_phases.size() + 1)].kind;
-        // Without a runner this is the size of blocks of contacts alone.
+        // Without a runner, the chunk size only sets the size of contact blocks.
         if (variant_.value / 8 % 8 != 0) options.parallel.chunk_size_forced = 1 + variant_.value / 64 % 12;
         break;
       case CheckKind::broad_phase:
@@ -245,8 +245,8 @@ class VariantWalk {
     return options;
   }
 
-  /// Whether a tick may need more pairs than there were at its beginning: inputs move bodies, and a tick that has
-  /// several steps lists pairs in each.
+  /// Whether a tick may need more pairs than it has at its beginning. Inputs move bodies, and a tick of several steps
+  /// lists pairs in each step.
   bool may_list_more(std::uint64_t tick) const {
     const engine::Settings& settings = context_.soak_case.scene.settings;
     return !context_.inputs.at(tick).inputs.empty() || settings.locate_impacts || settings.auto_substeps;
@@ -256,7 +256,7 @@ class VariantWalk {
   std::size_t most_pairs() const {
     std::size_t most = 0;
     engine::Scene scene = context_.soak_case.scene;
-    scene.settings.broad_phase = engine::BroadPhaseKind::brute_force;  // bounding_circle lists fewer
+    scene.settings.broad_phase = engine::BroadPhaseKind::brute_force;  // bounding_circle lists fewer pairs
     const auto made = context_.make(scene, {});
     if (!made) return most;
     for (std::uint64_t tick = 0; tick < base_.tick_count; ++tick) {
@@ -325,7 +325,7 @@ class VariantWalk {
   Variant variant_;
   RunTally& tally_;
   ChunkOrder order_;
-  bool is_beyond_ = false;  // a tick needed more than its limits allow
+  bool is_beyond_ = false;  // a tick exceeded its limits
   std::unique_ptr<Engine> engine_;
 };
 

@@ -1,4 +1,4 @@
-// Runs of one world that are compared tick by tick with its base run.
+// Runs of one world that are compared with its base run, tick by tick.
 // SPDX-License-Identifier: MIT
 #pragma once
 
@@ -17,7 +17,7 @@
 
 namespace ticktrue::verifier::soak {
 
-/// What all runs of one world share; must outlive them.
+/// Data that all runs of one world share. Must outlive the runs.
 struct RunContext {
   const SoakCase& soak_case;
   const CaseInputs& inputs;
@@ -26,51 +26,51 @@ struct RunContext {
 
 using CacheTally = std::array<std::uint64_t, engine::cache_kind_count>;
 
-/// What the runs of a world did with cached structures.
+/// Cache statistics of the variants of a world.
 struct RunTally {
   CacheTally while_hit{};  // ticks compared in which one run used the structure again and the base run did not, or
                            // the other way round
-  engine::CacheReport caches{};  // of all runs but the base run
+  engine::CacheReport caches{};  // of all runs except the base run
 };
 
-/// The world as its scene says, on one thread, with every cached structure in use.
+/// The run of a world with the settings of its scene, on one thread, with every cache in use.
 struct BaseRun {
   StateSchema schema;
-  std::uint64_t tick_count = 0;               // ticks done: all, or those before the work was used up or a tick failed
+  std::uint64_t tick_count = 0;               // ticks done; fewer than asked if work ran out or a tick failed
   std::vector<std::uint64_t> hashes;          // [tick] root hash
-  std::vector<std::uint64_t> body_hashes;     // [tick] of the rows of the table of bodies
-  std::vector<engine::CacheSet> hit;          // [tick] structures that were used again
+  std::vector<std::uint64_t> body_hashes;     // [tick] of the rows in the table of bodies
+  std::vector<engine::CacheSet> hit;          // [tick] caches that were hit
   engine::CacheReport caches{};               // of the whole run
   std::map<std::uint64_t, Bytes> images;      // state before these ticks
-  std::vector<Finding> findings;              // finite, zeros; a world that was refused
-  std::vector<std::string> tables_with_rows;  // at the end of some tick
+  std::vector<Finding> findings;              // of finite and zeros, or a refused world
+  std::vector<std::string> tables_with_rows;  // tables that have rows at the end of any tick
   std::uint64_t body_ticks = 0;
   std::uint64_t work = 0;  // estimate, ns
-  // Why the run ended early, if so:
-  bool ran_away = false;       // a body is farther or faster than a scene may state
+  // Reasons for an early end of the run:
+  bool ran_away = false;       // the position or speed of a body exceeds the limits of a scene
   bool joints_failed = false;  // a value is not finite, in a world with joints
 };
 struct BaseOptions {
-  std::uint64_t work_max = UINT64_MAX;     // ends the run; ns of estimated work
-  std::vector<std::uint64_t> image_ticks;  // keep the state before these ticks
+  std::uint64_t work_max = UINT64_MAX;     // the run ends at this estimate, ns
+  std::vector<std::uint64_t> image_ticks;  // the state before these ticks is stored
   CheckSelection checks = CheckSelection::all();
 };
 BaseRun run_base(const RunContext& context, const BaseOptions& options);
 
-/// Where a run of another kind differs from the base run, if anywhere; adds to `tally`. For every check but finite,
+/// The first difference between a variant and the base run, if any; adds to `tally`. Requires: any check except finite,
 /// zeros, process, trace and momentum.
 std::optional<Finding> run_variant(const RunContext& context, const BaseRun& base, const Variant& variant,
                                    RunTally& tally);
 
-/// Runs the tick and keeps what went wrong: inputs refused, or a tick that could not be done.
+/// Runs the tick and returns its failure: refused inputs, or a failed tick.
 std::optional<Finding> step_tick(engine::Engine& engine, const TickInput& input, std::uint64_t tick,
                                  const Variant& variant);
 
-/// The first difference of two states of one schema, for people. The names of rows are those of `engine`.
+/// The first difference of two states with one schema, as text. `engine` provides the names of state rows.
 std::string difference_text(const engine::Engine& engine, const StateView& expected, const StateView& got);
 
-/// About how long a tick took that ended in `state`, in ns on a machine of 2023. It depends on the state alone, so that
-/// every machine makes the same runs.
+/// Estimated duration of the tick that ended in `state`, ns on a machine of 2023. The estimate depends on the state
+/// alone, so every machine makes the same runs.
 std::uint64_t work_of_tick(const engine::Scene& scene, const StateView& state);
 
 /// Hash of the rows of the table of bodies.

@@ -1,4 +1,4 @@
-// Recording a world and verifying its trace, here and in a fresh process.
+// Records a world, and verifies its trace in this process and in a fresh one.
 // SPDX-License-Identifier: MIT
 #include "tool/experiment/oracle/trace_checks.h"
 
@@ -16,7 +16,7 @@
 namespace ticktrue::verifier::soak {
 namespace {
 
-/// What is drawn from the number of a variant.
+/// The choices drawn from the number of a variant.
 struct TraceDraw {
   TraceChoices choices;
   VerifyMode mode = VerifyMode::replay;
@@ -95,7 +95,7 @@ class TraceRun {
     return std::nullopt;
   }
 
-  /// The simulation that traces name, its engines made as those of every other run.
+  /// The simulation that the traces name. Its engines are made like those of every other run.
   SimulationInfo simulation_info() const {
     SimulationInfo info = engine::engine_info();
     info.make_on_threads = [this](ByteView setup, unsigned thread_count) -> Result<std::unique_ptr<Simulation>> {

@@ -1,4 +1,4 @@
-// Checks of a world by way of a trace: recorded, verified in some mode, and loaded by a fresh process.
+// Checks of a world through a trace: recorded, verified in some mode, and loaded by a fresh process.
 // SPDX-License-Identifier: MIT
 #pragma once
 
@@ -10,16 +10,16 @@
 namespace ticktrue::verifier::soak {
 
 struct TraceFiles {
-  std::string path;  // of the trace that is written and removed again
-  std::string tool;  // the program that check `process` runs; empty: it finds nothing
+  std::string path;  // path of the trace, which is written and removed again
+  std::string tool;  // the program that check `process` runs; empty: the check finds nothing
 };
 
-/// Records the world and verifies the trace: detail, checkpoint interval, mode and threads follow from the variant.
-/// For the checks trace and process.
+/// Records the world and verifies the trace. The variant determines detail, checkpoint interval, mode and threads.
+/// Requires: check trace or process.
 std::optional<Finding> run_trace_variant(const RunContext& context, const BaseRun& base, const Variant& variant,
                                          const TraceFiles& files);
 
-/// What verify is asked for by a variant of check trace, as options of the command line.
+/// The request to verify in a variant of check trace, as command-line options.
 std::string trace_variant_text(const Variant& variant, std::uint64_t tick_count);
 
 }  // namespace ticktrue::verifier::soak

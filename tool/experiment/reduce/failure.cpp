@@ -1,4 +1,4 @@
-// Comparison of failures, and their places.
+// Compares failures, and parses their places.
 // SPDX-License-Identifier: MIT
 #include "tool/experiment/reduce/failure.h"
 
@@ -7,7 +7,7 @@
 namespace ticktrue::reduce {
 namespace {
 
-/// The text between `before` and the first of `ends`; empty where `before` does not occur.
+/// The text between `before` and the first character of `ends`. Empty if `before` is not in the message.
 std::string_view text_between(std::string_view message, std::string_view before, std::string_view ends) {
   const std::size_t at = message.find(before);
   if (at == std::string_view::npos) return {};

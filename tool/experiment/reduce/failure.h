@@ -1,4 +1,4 @@
-// A failure of a session: what went wrong, where, and whether another one is the same.
+// A failure of a session: its kind, its place, and whether another failure is the same.
 // SPDX-License-Identifier: MIT
 #pragma once
 
@@ -14,26 +14,26 @@ namespace ticktrue::reduce {
 
 struct Failure {
   std::string kind;        // "not_finite", "diverged", ...: the first word of reports
-  std::uint64_t tick = 0;  // the first one that is wrong
-  // Where it shows first; empty: not known.
+  std::uint64_t tick = 0;  // the first wrong tick
+  // The place where the failure first appears; empty: unknown.
   std::string stage;
   std::string table;
   std::string column;
-  std::optional<std::uint64_t> row;   // of the table
-  std::vector<std::uint32_t> bodies;  // ids of those concerned, most concerned first; empty: not known
-  std::string what;                   // for people, one line
+  std::optional<std::uint64_t> row;   // index in the table
+  std::vector<std::uint32_t> bodies;  // ids of the affected bodies, most affected first; empty: unknown
+  std::string what;                   // one line of text
 };
 
-/// The same kind and, unless `is_loose`, the same stage, table and column. Ticks and rows change as a session shrinks.
+/// Same kind and, unless `is_loose`, same stage, table and column. Ticks and state rows change as a session shrinks.
 bool is_same(const Failure& a, const Failure& b, bool is_loose);
 
-/// "tgs_soft, bodies.velocity": what is known of the place.
+/// The known parts of the place: "tgs_soft, bodies.velocity".
 std::string place_text(const Failure& failure);
 
-/// Ids of the bodies that a row of a state is about; none where its table knows no bodies.
+/// Ids of the bodies that a state row refers to. Empty if the rows of its table refer to no bodies.
 std::vector<std::uint32_t> bodies_of_row(const StateView& state, std::size_t table, std::size_t row);
 
-/// Reads table, column and stage out of messages of the engine and of the oracle, as in "tick 3: stage tgs_soft:
+/// Parses table, column and stage from messages of the engine and of the oracle, such as "tick 3: stage tgs_soft:
 /// bodies.velocity row 4: ..." and "table bodies, column velocity, row 4 ...".
 void read_place(std::string_view message, Failure& failure);
 

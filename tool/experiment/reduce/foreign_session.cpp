@@ -1,4 +1,4 @@
-// Delta debugging over ticks and inputs of a plug-in's session.
+// Delta debugging over the ticks and inputs of a plug-in's session.
 // SPDX-License-Identifier: MIT
 #include "tool/experiment/reduce/foreign_session.h"
 

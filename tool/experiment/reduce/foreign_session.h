@@ -1,4 +1,4 @@
-// Sessions of plug-ins: their ticks and inputs are reduced, as bytes that only the plug-in understands.
+// Reduces ticks and inputs of plug-in sessions. Inputs are bytes that only the plug-in understands.
 // SPDX-License-Identifier: MIT
 #pragma once
 
@@ -26,7 +26,7 @@ struct ForeignSession {
   std::size_t input_count() const;  // ticks with inputs
 };
 
-/// At most `tick_count` ticks of a trace. Errors: what TraceReader::open refuses.
+/// At most `tick_count` ticks of a trace. Errors: those of TraceReader::open.
 Result<ForeignSession> read_foreign_session(const std::string& path, std::optional<std::uint64_t> tick_count);
 
 struct ForeignResult {
@@ -37,17 +37,17 @@ struct ForeignResult {
   bool ended_early = false;
 };
 
-/// Sessions are recorded by `recorder` to a file in `folder`, and the judge finds a difference. Inputs and then ticks
-/// are left out by delta debugging; what the simulation does not accept does not count. Errors: those of recording and
-/// of the judge on the whole session; usage (it does not fail).
+/// Reduces a session of a plug-in. `recorder` records candidates to a file in `folder`, and `judge` looks for a
+/// difference. Delta debugging removes inputs and then ticks. A candidate that the simulation refuses does not fail.
+/// Errors: those of recording and of the judge on the whole session; usage (the session does not fail).
 Result<ForeignResult> reduce_foreign(const ForeignSession& session, const SimulationInfo& recorder,
                                      const TraceJudge& judge, const std::string& folder, const ReduceOptions& options);
 
-/// Records the session with the state and the stages of every tick, over an older file. Errors: those of the simulation
-/// and of replay::record.
+/// Records the session with the state and the stages of every tick. Replaces an existing file. Errors: those of the
+/// simulation and of replay::record.
 Status record_foreign(const ForeignSession& session, const SimulationInfo& recorder, const std::string& path);
 
-/// As `ticktrue record` of a plug-in reads inputs: {"tick":3,"bytes":"0aff","dt":0.016} a line.
+/// The inputs in the form that `ticktrue record` reads for a plug-in: lines of {"tick":3,"bytes":"0aff","dt":0.016}.
 std::string foreign_inputs_text(const ForeignSession& session);
 
 }  // namespace ticktrue::reduce

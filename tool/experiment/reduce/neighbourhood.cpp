@@ -1,4 +1,4 @@
-// Neighbours of bodies, and groups of them.
+// Finds neighbours of bodies, and connected groups of bodies.
 // SPDX-License-Identifier: MIT
 #include "tool/experiment/reduce/neighbourhood.h"
 
@@ -15,7 +15,7 @@ using engine::BroadPhaseReport;
 using engine::Scene;
 using Edge = std::pair<std::size_t, std::size_t>;
 
-/// Pairs of bodies of the scene that may act on each other.
+/// Pairs of bodies in the scene that may act on each other.
 std::vector<Edge> edges_of(const Scene& scene, const BroadPhaseReport& broad_phase) {
   std::vector<Edge> edges;
   const std::size_t count = scene.bodies.size();
@@ -36,7 +36,7 @@ struct Box {
   engine::Point upper{-std::numeric_limits<double>::infinity(), -std::numeric_limits<double>::infinity()};
 };
 
-/// Of each body of the scene: of its shapes, or its centre where it meets nothing.
+/// The box of each body in the scene: around its shapes, or its centre if the body never collides.
 std::vector<Box> boxes_of(const engine::Engine& engine, const BroadPhaseReport& broad_phase) {
   std::vector<Box> boxes(engine.scene().bodies.size());
   const auto grow = [&](std::size_t body, const engine::Point& lower, const engine::Point& upper) {
@@ -59,7 +59,7 @@ double distance(const Box& a, const Box& b) {
 
 constexpr std::size_t unreached = std::numeric_limits<std::size_t>::max();
 
-/// For each body, over how many edges it is reached from `starts`.
+/// The number of edges on the shortest path from `starts` to each body.
 std::vector<std::size_t> steps_from(const std::vector<std::size_t>& starts, std::size_t count,
                                     const std::vector<Edge>& edges) {
   std::vector<std::vector<std::size_t>> neighbours(count);
@@ -96,7 +96,7 @@ std::vector<std::size_t> by_nearness(const engine::Engine& engine, const std::ve
     for (const std::size_t start : starts) nearest = std::min(nearest, distance(boxes[i], boxes[start]));
     keys.emplace_back(steps[i], nearest, i);
   }
-  // The first of `bodies` are the most concerned: they come in their order.
+  // `bodies` begins with the most affected bodies, so the starts keep their order.
   std::sort(keys.begin(), keys.end());
   std::vector<std::size_t> order = starts;
   for (const auto& [step, gap, index] : keys)

@@ -1,4 +1,4 @@
-// Which bodies of a world are near others: by contact, joint and distance.
+// Orders bodies of a world by their distance from others: by contact, joint and position.
 // SPDX-License-Identifier: MIT
 #pragma once
 
@@ -10,12 +10,12 @@
 
 namespace ticktrue::reduce {
 
-/// Indices of all bodies of the scene, the nearest to `bodies` (ids) first: by how many steps of neighbours away, a
-/// step being a pair of the broad phase, a joint or a spring; then by distance; then by index. Empty where none of
-/// `bodies` is in the scene.
+/// Indices of all bodies in the scene, those nearest to `bodies` (ids) first. The order is by steps between neighbours,
+/// then by distance, then by index. Two bodies are neighbours if they share a broad-phase pair, a joint or a spring.
+/// Empty if none of `bodies` is in the scene.
 std::vector<std::size_t> by_nearness(const engine::Engine& engine, const std::vector<std::uint32_t>& bodies);
 
-/// Groups of bodies that are not static and hang together by pairs of the broad phase and joints, each ascending.
+/// Groups of moving bodies that broad-phase pairs and joints connect. Indices in each group ascend.
 std::vector<std::vector<std::size_t>> connected_groups(const engine::Engine& engine);
 
 }  // namespace ticktrue::reduce

@@ -1,4 +1,4 @@
-// What a session must do to count as failing: one object for each option of `ticktrue reduce`.
+// The definitions of a failing session: one class for each option of `ticktrue reduce`.
 // SPDX-License-Identifier: MIT
 #pragma once
 
@@ -22,43 +22,44 @@ using verifier::soak::SoakCase;
 class Predicate {
  public:
   virtual ~Predicate() = default;
-  /// How the session fails; nothing where it does not. The same session gives the same answer. Errors: what keeps the
-  /// session from being judged.
+  /// The failure of the session; absent if the session does not fail. Equal sessions give equal answers. Errors: a
+  /// reason why the session cannot be judged.
   virtual Result<std::optional<Failure>> examine(const SoakCase& session) = 0;
-  /// The option that asks the same, as words of a command line.
+  /// The option for this predicate, as words of a command line.
   virtual std::vector<std::string> words() const = 0;
-  /// Whether the answer is about the outcome of the whole run: then start, ticks and gravity of the session stay.
+  /// Whether the answer depends on the outcome of the whole run. If so, start, ticks and gravity of the session are
+  /// kept.
   virtual bool is_of_outcome() const { return false; }
-  /// Lines for a shell: one that shows the failure on the trace that stands for `{}`, and one that passes on it once
-  /// the failure is mended. Empty: `ticktrue reduce --once` does both.
+  /// Lines for a shell, in which `{}` is replaced by the trace. show_line shows the failure; test_line passes once the
+  /// failure is fixed. Empty: `ticktrue reduce --once` does both.
   virtual std::string show_line() const { return {}; }
   virtual std::string test_line() const { return {}; }
 };
 
 /// A value of the state is NaN or infinite at the end of a tick.
 std::unique_ptr<Predicate> not_finite(const EngineMaker& make);
-/// The expression is 0 or NaN at the end of a tick, and holds before the first one.
+/// The expression is 0 or NaN at the end of a tick, but holds before the first tick.
 std::unique_ptr<Predicate> broken_expectation(verifier::Expression expression, const EngineMaker& make);
-/// A tick with cached structures differs from the same tick without.
+/// A tick with caches differs from the same tick without caches.
 std::unique_ptr<Predicate> stale_cache(const EngineMaker& make);
-/// A check of the soak finds something. `word`: a name, or a variant such as "restore=57"; one seed draws the variants.
-/// Errors: usage.
+/// A check of the soak has a finding. `word`: a name, or a variant such as "restore=57". A fixed seed draws the
+/// variants. Errors: usage.
 Result<std::unique_ptr<Predicate>> oracle_check(const std::string& word, const verifier::soak::OracleOptions& options);
-/// The cross-check with Box2D has a criterion that differs. Inputs count for nothing there.
+/// The cross-check with Box2D has a criterion that differs. Inputs have no effect here.
 std::unique_ptr<Predicate> crosscheck_differs();
 
-/// Asks somebody else whether a trace runs as recorded. Errors: what keeps that one from answering.
+/// Asks another program whether a trace runs as recorded. Errors: a reason why the program cannot answer.
 using TraceJudge = std::function<Result<std::optional<Failure>>(const std::string& trace)>;
 
 /// Another program that verifies traces.
 struct OtherProgram {
   TraceJudge judge;
-  std::string folder;              // for the traces that it is asked about
+  std::string folder;              // folder for the traces passed to `judge`
   std::vector<std::string> words;  // Predicate::words
   std::string show_line;
   std::string test_line;
 };
-/// The session is recorded by engines of `make`, and the program finds a difference.
+/// Engines of `make` record the session, and the program finds a difference.
 std::unique_ptr<Predicate> differs_elsewhere(const OtherProgram& program, const EngineMaker& make);
 
 }  // namespace ticktrue::reduce

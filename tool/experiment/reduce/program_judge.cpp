@@ -18,7 +18,7 @@ using nlohmann::json;
 using Answer = Result<std::optional<Failure>>;
 
 constexpr std::size_t report_size_max = std::size_t{64} << 20;
-constexpr std::size_t body_count_max = 8;  // taken from the rows of a report
+constexpr std::size_t body_count_max = 8;  // taken from the state rows in a report
 
 template <typename T>
 T value_of(const json& object, const char* key, const T& otherwise) {
@@ -27,7 +27,7 @@ T value_of(const json& object, const char* key, const T& otherwise) {
   try {
     return found->get<T>();
   } catch (const json::exception&) {
-    return otherwise;  // null, or another type
+    return otherwise;  // null or of another type
   }
 }
 
@@ -57,7 +57,7 @@ void read_rows(const json& divergence, Failure& failure) {
                      ", got " + value_at(row, "got_value");
     }
     const auto id = value_of<std::int64_t>(row, "id", -1);
-    // Tables of pairs have the id of their first body as key.
+    // The key of a state row in a table of pairs contains the id of the first body.
     if (id >= 0 && table != "joints") add_once(static_cast<std::uint32_t>(id), failure.bodies);
   }
 }

@@ -24,9 +24,9 @@ using verifier::soak::ddmin;
 using Indices = std::vector<std::size_t>;
 
 constexpr int round_count_max = 4;
-// A world that begins anew or lost neighbours may fail a little later.
+// Extra ticks: a world with a later start or fewer bodies may fail a little later.
 constexpr std::uint64_t spare_ticks = 8;
-// Numbers of single bodies are made simple in small worlds alone.
+// The numbers of single bodies are only simplified in small worlds.
 constexpr std::size_t simple_body_count_max = 16;
 
 class Reducer {
@@ -74,7 +74,7 @@ class Reducer {
     return ended_early_;
   }
 
-  /// The failure of a candidate, where it is the same one.
+  /// The failure of a candidate, if it is the same failure.
   std::optional<Failure> same_failure(const SoakCase& candidate) {
     if (is_over() || candidate.tick_count == 0 || !engine::check_scene(candidate.scene, "reduce")) return std::nullopt;
     ++run_count_;
@@ -93,13 +93,13 @@ class Reducer {
     return true;
   }
 
-  /// Ticks after the failure show nothing.
+  /// Removes the ticks and inputs after the failure.
   void end_at_failure(SoakCase& session) const {
     session.tick_count = std::min(session.tick_count, last_.tick + 1);
     std::erase_if(session.inputs, [&](const engine::Input& input) { return input.tick >= session.tick_count; });
   }
 
-  /// Calls `look` with the engine before each tick up to that of the failure.
+  /// Calls `look` with the engine before each tick, up to the tick of the failure.
   void walk(const std::function<void(const Engine& engine)>& look) const {
     const auto made = options_.make(session_.scene, {});
     if (!made) return;
@@ -111,7 +111,7 @@ class Reducer {
     }
   }
 
-  /// Tries the states 0, 1, 3, 7, ... ticks before the failure as the start.
+  /// Tries the states 0, 1, 3, 7, ... ticks before the failure as a later start.
   void begin_later() {
     if (predicate_.is_of_outcome()) return;
     const std::uint64_t failed = last_.tick;
@@ -129,7 +129,7 @@ class Reducer {
     }
   }
 
-  /// The culprits and 0, 1, 3, 7, ... of the bodies nearest to them.
+  /// Keeps the affected bodies and 0, 1, 3, 7, ... of their nearest bodies.
   void keep_neighbours() {
     Indices order;
     walk([&](const Engine& engine) {
@@ -146,7 +146,7 @@ class Reducer {
     return some;
   }
 
-  /// Delta debugging over groups of bodies that hang together, static bodies apart.
+  /// Delta debugging over connected groups of moving bodies. Static bodies are always kept.
   void keep_groups() {
     constexpr std::size_t few = 16;
     if (session_.scene.bodies.size() <= few) return;
@@ -180,12 +180,12 @@ class Reducer {
         shrink(
             session_, [&](const SoakCase& candidate) { return same_failure(candidate).has_value(); }, options)
             .smallest;
-    const bool was_over = std::exchange(ended_early_, false);  // what was found before the end is kept
+    const bool was_over = std::exchange(ended_early_, false);  // the result found before the end is kept
     take_found(std::move(smallest));
     ended_early_ = ended_early_ || was_over;
   }
 
-  /// Takes a session that is known to fail in the same way, and learns its tick.
+  /// Takes a session that fails in the same way, and reads the tick of its failure.
   void take_found(SoakCase found) {
     ++run_count_;
     auto failure = predicate_.examine(found);
@@ -213,7 +213,8 @@ class Reducer {
     }
   }
 
-  /// Inputs come as early as they may: all from one on move by what lies before it, or half of that, and so on.
+  /// Moves inputs to earlier ticks. For each input, the input and all later ones move by the gap before it, or by half
+  /// of the gap, and so on.
   void close_gaps() {
     for (std::size_t i = 0; i < session_.inputs.size(); ++i) {
       const std::uint64_t before = i == 0 ? 0 : session_.inputs[i - 1].tick + 1;
@@ -240,7 +241,7 @@ class Reducer {
   }
 
   static double rounded(double value) {
-    constexpr double parts = 64;  // exact in f32
+    constexpr double parts = 64;  // multiples of 1/64 are exact in f32
     return std::round(value * parts) / parts;
   }
   static Point rounded(const Point& point) { return {rounded(point.x), rounded(point.y)}; }

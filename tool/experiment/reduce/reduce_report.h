@@ -1,4 +1,4 @@
-// What a reduction prints: text and JSON.
+// The output of a reduction as text and JSON.
 // SPDX-License-Identifier: MIT
 #pragma once
 
@@ -9,9 +9,9 @@
 
 namespace ticktrue::reduce {
 
-/// What was reduced, and how long it took.
+/// The reduced session, and the duration of the reduction.
 struct ReduceSubject {
-  std::string name;  // as it was given
+  std::string name;  // as the user gave it
   const SoakCase* session = nullptr;
   double wall_s = 0;
 };
@@ -20,7 +20,7 @@ std::string reduce_text(const ReduceResult& result, const ReduceSubject& subject
 /// Schema ticktrue.reduce/1.
 std::string reduce_json(const ReduceResult& result, const ReduceSubject& subject, const ResultFolder& folder);
 
-/// Of `--once`: how a session fails, or that it does not.
+/// The output of `--once`: how a session fails, or that it does not fail.
 std::string once_text(const std::string& name, const std::optional<Failure>& failure);
 std::string once_json(const std::string& name, const std::optional<Failure>& failure);
 

@@ -1,4 +1,4 @@
-// Writing a reduced session.
+// Writes a reduced session.
 // SPDX-License-Identifier: MIT
 #include "tool/experiment/reduce/result_folder.h"
 
@@ -74,7 +74,7 @@ class ResultWriter {
     const bool has_tool = line.empty() || line.find("${TICKTRUE:-") != std::string::npos;
     std::string text = "#!/bin/sh\n# Exit code 0: mended. Another: still fails, tick " +
                        std::to_string(result_.last.tick) + ": " + what + ".\n";
-    // A command names its program as seen from the folder that `reduce` was started in.
+    // A command names its program relative to the folder in which `reduce` was started.
     text += has_tool ? "# TICKTRUE: the program to test.\n"
                      : "# It runs in the folder in which its command finds the program.\n";
     text += "# CMake: add_test(NAME reduced COMMAND sh ${CMAKE_CURRENT_SOURCE_DIR}/test.sh)\n";
@@ -83,7 +83,7 @@ class ResultWriter {
     return text + "trace=$(dirname \"$0\")/trace.ttr\n" + words_with_trace({line}, "\"$trace\"").front() + "\n";
   }
 
-  /// With the whole state of the tick that fails.
+  /// Records the trace, with the whole state of the failing tick.
   Status record_trace() {
     const std::string trace = folder_.path + "/trace.ttr";
     const auto made = options_.make(result_.smallest.scene, {});
@@ -99,7 +99,7 @@ class ResultWriter {
                                          verifier::make_build_facts(), options);
     folder_.has_trace = recorded.has_value();
     std::error_code ignored;
-    if (!recorded) fs::remove(trace, ignored);  // the first tick cannot be done, or is not finite
+    if (!recorded) fs::remove(trace, ignored);  // the first tick fails or is not finite
     return {};
   }
 

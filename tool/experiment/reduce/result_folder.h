@@ -1,4 +1,4 @@
-// The files of a reduced session: scene, inputs, trace, the command that shows the failure, a test.
+// The files of a reduced session: scene, inputs, trace, a command that shows the failure, and a test.
 // SPDX-License-Identifier: MIT
 #pragma once
 
@@ -11,13 +11,13 @@ namespace ticktrue::reduce {
 
 struct ResultFolder {
   std::string path;
-  std::string command;     // shows the failure
-  bool has_trace = false;  // no tick could be recorded: there is none
+  std::string command;     // the command that shows the failure
+  bool has_trace = false;  // false: no tick could be recorded
   std::uint64_t size = 0;  // bytes of all files
 };
 
-/// Writes scene.json, inputs.jsonl, trace.ttr, command and test.sh, over older ones. The folder is made.
-/// Errors: io; inconsistent (what was written does not fail in the same way when it is read again).
+/// Makes the folder and writes scene.json, inputs.jsonl, trace.ttr, command and test.sh. Replaces existing files.
+/// Errors: io; inconsistent (the written session does not fail in the same way when read again).
 Result<ResultFolder> write_result(const ReduceResult& result, Predicate& predicate, const ReduceOptions& options,
                                   const std::string& path);
 

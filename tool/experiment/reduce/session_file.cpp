@@ -1,4 +1,4 @@
-// Reading sessions.
+// Reads sessions.
 // SPDX-License-Identifier: MIT
 #include "tool/experiment/reduce/session_file.h"
 

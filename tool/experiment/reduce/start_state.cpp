@@ -1,4 +1,4 @@
-// Scenes made of states.
+// Makes scenes from states.
 // SPDX-License-Identifier: MIT
 #include "tool/experiment/reduce/start_state.h"
 
@@ -34,7 +34,7 @@ class LaterStart {
   }
 
  private:
-  /// The description of a body: of the scene, or the prototype that its name begins with.
+  /// The description of a body in the scene, or of the prototype whose name its name begins with.
   const Body* description_of(const BodyReport& report) const {
     const Scene& scene = session_.scene;
     if (report.id < scene.bodies.size()) return &scene.bodies[report.id];
@@ -88,7 +88,7 @@ class LaterStart {
     }
   }
 
-  /// What inputs have set for good.
+  /// Applies the lasting effects of earlier inputs: gravity and motors.
   void apply_past_inputs(Scene& scene) const {
     for (const Input& input : session_.inputs) {
       if (input.tick >= tick_) continue;
@@ -116,7 +116,7 @@ class LaterStart {
       if (info.has_body && is_left(input.body)) {
         input.body = index_of_[input.body];
       } else if (info.has_body) {
-        if (input.body < first_id + spawned_count) continue;  // of a body that is gone
+        if (input.body < first_id + spawned_count) continue;  // its body no longer exists
         input.body = new_count_ + (input.body - first_id - spawned_count);
       }
       later.inputs.push_back(input);
@@ -128,8 +128,8 @@ class LaterStart {
   const SoakCase& session_;
   const engine::Engine& engine_;
   std::uint64_t tick_;
-  std::map<std::uint32_t, std::uint32_t> index_of_;  // by id
-  std::vector<std::uint32_t> joint_index_;           // [joint before]
+  std::map<std::uint32_t, std::uint32_t> index_of_;  // new index, by id
+  std::vector<std::uint32_t> joint_index_;           // [old joint index]: new index
   std::uint32_t new_count_ = 0;
 };
 

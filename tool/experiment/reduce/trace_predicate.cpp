@@ -1,4 +1,4 @@
-// Records a session, and asks another program about the trace.
+// Records a session, and lets another program judge the trace.
 // SPDX-License-Identifier: MIT
 #include "replay/recorder.h"
 #include "tool/experiment/reduce/predicate.h"
@@ -9,7 +9,7 @@ namespace {
 
 using Answer = Result<std::optional<Failure>>;
 
-/// A longer recording stores the whole state of the differing tick alone.
+/// A longer recording only stores the whole state of the differing tick.
 constexpr std::uint64_t body_ticks_max = 20'000;
 
 class DiffersElsewhere : public Predicate {

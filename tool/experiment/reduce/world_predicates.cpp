@@ -1,4 +1,4 @@
-// Predicates that need this build alone.
+// Predicates that only need this build.
 // SPDX-License-Identifier: MIT
 #include <algorithm>
 #include <cmath>
@@ -21,14 +21,14 @@ Error at_tick(std::uint64_t tick, const Error& error) {
   return Error{error.code, place + error.message, error.hint};
 }
 
-/// One tick. Errors: a tick that is refused or cannot be done.
+/// Runs one tick. Errors: a refused or failed tick.
 Status step_once(Engine& engine, const TickInput& input, std::uint64_t tick, StageObserver* observer) {
   if (const Status accepted = engine.accept(input); !accepted) return at_tick(tick, accepted.error());
   if (const Status did = engine.step(input, observer); !did) return at_tick(tick, did.error());
   return {};
 }
 
-/// Runs the session until `look`, asked after each tick, finds something.
+/// Runs the session until `look`, called after each tick, finds a failure.
 template <typename Look>
 Answer run_until(Engine& engine, const SoakCase& session, const Look& look) {
   const CaseInputs inputs(session);
@@ -39,7 +39,7 @@ Answer run_until(Engine& engine, const SoakCase& session, const Look& look) {
   return std::optional<Failure>();
 }
 
-/// The first stage after which a value is not finite.
+/// Stores the first stage after which a value is not finite.
 class FirstNonFinite : public StageObserver {
  public:
   void after_stage(std::size_t stage, const StateView& state) override {
@@ -79,7 +79,7 @@ class NotFinite : public Predicate {
   }
 
  private:
-  /// Once more, with a look after each stage of that tick.
+  /// Runs the session again, and examines the state after each stage of the last tick.
   std::string stage_of(const SoakCase& session, std::uint64_t last) const {
     const auto made = make_(session.scene, {});
     if (!made) return "";
@@ -104,7 +104,7 @@ class BrokenExpectation : public Predicate {
     if (!made) return made.error();
     Engine& engine = **made;
     expression_.begin(engine);
-    // A world that begins broken shows nothing.
+    // If the expression is false before the first tick, the session shows nothing.
     if (!holds(engine))
       return Error{
           ErrorCode::usage,

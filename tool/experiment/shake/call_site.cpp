@@ -1,4 +1,4 @@
-// addr2line of binutils reads the debug information, and objdump disassembles.
+// Finds call sites with addr2line (debug information) and objdump (disassembly), both of binutils.
 // SPDX-License-Identifier: MIT
 #include "tool/experiment/shake/call_site.h"
 
@@ -27,7 +27,7 @@ std::string hex(std::uint64_t value) {
   return text.str();
 }
 
-/// An executable that is loaded where it was linked has whole addresses in its debug information.
+/// The debug information of an executable that is loaded at its link address holds absolute addresses.
 bool is_at_fixed_address(const std::string& path) {
   constexpr std::size_t type_offset = 16;
   constexpr char type_executable = 2;
@@ -45,7 +45,7 @@ bool is_system_library(const std::string& path) {
   return false;
 }
 
-/// Headers whose functions are no places of a program: what called them is.
+/// Whether a source file belongs to a library. The place of interest is then the caller.
 bool is_library_source(const std::string& file) {
   const std::string name = fs::path(file).filename().string();
   return name == "ticktrue.hpp" || name == "ticktrue.h" || file.compare(0, 5, "/usr/") == 0 ||
@@ -71,7 +71,8 @@ SourcePlace source_place(const std::string& function, std::string place) {
   return found;
 }
 
-/// Of each address, the innermost place first; those behind it are what it was inlined into.
+/// The source places of each address, innermost first. The following places are the functions into which it was
+/// inlined.
 std::vector<std::vector<SourcePlace>> source_places(const std::string& module,
                                                     const std::vector<std::uint64_t>& addresses) {
   verifier::ChildCommand command;
@@ -99,7 +100,7 @@ std::vector<SourcePlace> source_places(const std::string& module, std::uint64_t 
   return source_places(module, std::vector<std::uint64_t>{address}).front();
 }
 
-/// Of a return address: the call is before it. Nothing if it is within a header of a library.
+/// The call site of a return address, which follows the call. Absent if the call site is in a header of a library.
 std::optional<CallSite> program_site(const shim::Module& module, std::uint64_t offset) {
   CallSite site;
   site.module = plain_line(module.path);
@@ -116,7 +117,7 @@ std::optional<CallSite> program_site(const shim::Module& module, std::uint64_t o
   return places.empty() ? std::optional<CallSite>(site) : std::nullopt;
 }
 
-/// "Ship::steer" of "Ship::steer(double, int)".
+/// Shortens "Ship::steer(double, int)" to "Ship::steer".
 std::string short_name(const std::string& function) {
   std::string name = function;
   const std::string anonymous = "(anonymous namespace)::";
@@ -145,7 +146,7 @@ std::string CallSite::name() const {
 
 std::vector<std::vector<CallSite>> call_frames(const std::string& module, std::uint64_t base,
                                                const std::vector<std::uint64_t>& offsets) {
-  constexpr std::size_t address_count_max = 1'000;  // of one command line
+  constexpr std::size_t address_count_max = 1'000;  // in one command line
   std::vector<std::vector<CallSite>> frames(offsets.size());
   if (is_system_library(module)) return frames;
   const std::uint64_t added = is_at_fixed_address(module) ? base : 0;

@@ -21,16 +21,16 @@
 namespace ticktrue::shake {
 namespace {
 
-/// A processor that a library can be told to be on.
+/// A processor generation that a library can be told to assume.
 struct Level {
   std::string_view value;
-  std::string_view missing;  // what it lacks and the level before has
+  std::string_view missing;  // features that this level lacks and the newer level has
 };
 
 struct Library {
   std::string_view variable;
-  std::string_view module;        // part of the name of its file
-  std::span<const Level> levels;  // newest first; empty: the variable lists features to leave out
+  std::string_view module;        // part of the file name of the library
+  std::span<const Level> levels;  // newest first; empty: the variable lists features to disable
 };
 
 constexpr Level openblas_levels[] = {
@@ -62,7 +62,7 @@ const Library* find_library(const std::string& variable) {
   return found == std::end(libraries) ? nullptr : found;
 }
 
-/// The files that a run has loaded: the first whose name has this part.
+/// The first file loaded by a run whose name contains `part`.
 std::string loaded_module(Launcher& launcher, const Conditions& guilty, std::string_view part) {
   constexpr std::size_t line_count_max = 20'000;
   const std::string path = launcher.options().folder + "/mapped";
@@ -86,7 +86,7 @@ void choose_oldest_kernels(Conditions& conditions) {
 }
 
 void leave_out_features(Conditions& conditions) {
-  // numpy warns of what the processor does not have.
+  // numpy prints a warning for features that the processor lacks, so only present features are listed.
   const char* features = processor_has("avx512f") ? "FMA3 AVX2 AVX512F AVX512CD AVX512_SKX" : "FMA3 AVX2";
   conditions.environment.emplace_back(numpy_variable, features);
 }

@@ -1,4 +1,4 @@
-// Libraries that choose their kernels by the processor: how to make them choose others, and which choice matters.
+// Libraries that choose their kernels by the processor: forces another choice, and finds the choice that matters.
 // SPDX-License-Identifier: MIT
 #pragma once
 
@@ -10,20 +10,20 @@
 
 namespace ticktrue::shake {
 
-/// OpenBLAS, MKL and torch as on the oldest processor that they know.
+/// Makes OpenBLAS, MKL and torch choose the kernels of the oldest processor that they know.
 void choose_oldest_kernels(Conditions& conditions);
-/// numpy without the features of newer processors that this one has.
+/// Disables newer features of this processor in numpy.
 void leave_out_features(Conditions& conditions);
 
-/// The choice that is enough to make a run another one.
+/// The smallest choice that changes a run.
 struct DispatchCause {
-  std::vector<std::string> features;  // of the processor, as /proc/cpuinfo or numpy names them; empty: none was found
-  std::string variable;               // that chose, of the environment
-  std::string module;                 // file that is loaded and reads it; empty: not found
+  std::vector<std::string> features;  // of the processor, named as in /proc/cpuinfo or numpy; empty: not found
+  std::string variable;               // the environment variable that made the choice
+  std::string module;                 // loaded file that reads the variable; empty: not found
 };
 
-/// `guilty`: conditions of the functions above under which the run is another one; `is_other` tells it of others.
-/// Requires: the program has a session, which tells what is loaded.
+/// Narrows a change of kernels. `guilty`: conditions of the functions above that change the run. `is_other`: whether
+/// given conditions change the run. Requires: the program has a session, which lists the loaded files.
 DispatchCause narrow_dispatch(Launcher& launcher, const Conditions& guilty,
                               const std::function<bool(const Conditions&)>& is_other);
 

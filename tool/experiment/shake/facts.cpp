@@ -1,4 +1,4 @@
-// Files, programs of the system, and what it permits.
+// Collects facts about files, system programs and permissions.
 // SPDX-License-Identifier: MIT
 #include "tool/experiment/shake/facts.h"
 
@@ -54,7 +54,7 @@ void find_allocators(Facts& facts) {
     if (const std::string path = first_existing(names); !path.empty()) facts.allocators.push_back(path);
 }
 
-/// A locale as POSIX has it, but with a decimal comma. A whole one takes localedef seconds.
+/// A POSIX locale with a decimal comma. Compiling a complete locale takes localedef seconds.
 constexpr const char* comma_locale = R"(comment_char %
 escape_char /
 LC_IDENTIFICATION
@@ -82,7 +82,7 @@ copy "POSIX"
 END LC_MESSAGES
 )";
 
-/// Installed ones; else one that localedef makes.
+/// Finds installed locales, or compiles one with localedef.
 void find_locales(Facts& facts) {
   const std::string installed = probe({"locale", "-a"}).output;
   for (const char* name : {"de_DE", "tr_TR"})
@@ -100,7 +100,7 @@ void find_locales(Facts& facts) {
   facts.locale_folder = folder;
 }
 
-/// Why `wrapper` cannot stand before a program; empty: it can.
+/// The reason why `wrapper` cannot run a program; empty: it can.
 std::string missing_namespace(std::vector<std::string> wrapper, const char* what) {
   wrapper.emplace_back("true");
   const verifier::ChildResult space = probe(std::move(wrapper));
@@ -120,8 +120,8 @@ std::vector<std::string> user_wrapper() {
 }
 
 std::vector<std::string> process_wrapper() {
-  // The first process of a namespace takes signals in another way, so the program is the second one. A shell between
-  // them would sort the environment and add to it.
+  // Signals act differently on the first process of a namespace, so the program is the second process. A shell between
+  // both would sort and extend the environment.
   return {"unshare", "-r", "--pid", "--fork", "--kill-child", "--", "unshare", "--fork", "--"};
 }
 
@@ -147,7 +147,7 @@ Facts collect_facts(const std::vector<std::string>& words, const std::string& fo
   const auto names = [&](const char* text) { return file.find(text) != std::string::npos; };
   const bool is_script = file.compare(0, 2, "#!") == 0;
   const std::string head = file.substr(0, file.find('\n'));
-  // By its name, too: what stands in PATH may be a script that starts the interpreter.
+  // The name is checked as well, because a program in PATH may be a script that starts the interpreter.
   const std::string word = words.empty() ? "" : fs::path(words.front()).filename().string();
   const auto is_interpreter = [](const std::string& text) {
     return text.find("python") != std::string::npos || text.find("perl") != std::string::npos;

@@ -1,4 +1,4 @@
-// What the machine offers and what the program is: decides which perturbations apply.
+// Facts about the machine and the program, which decide which perturbations apply.
 // SPDX-License-Identifier: MIT
 #pragma once
 
@@ -13,34 +13,34 @@
 namespace ticktrue::shake {
 
 struct Facts {
-  std::string program;                  // its file; empty: not found
-  std::string folder;                   // for files
+  std::string program;                  // file of the program; empty: not found
+  std::string folder;                   // folder for files
   bool is_this_tool = false;            // `ticktrue verify` runs the trace
-  bool is_x86_64 = false;               // this build
-  bool has_interpreter = false;         // of a language with hash seeds
-  bool has_math_library = false;        // numpy, OpenBLAS or MKL, as far as the program's file tells
-  std::string no_shim;                  // why the preload library cannot be used; empty: it can
+  bool is_x86_64 = false;               // of this build
+  bool has_interpreter = false;         // the program uses an interpreter with hash seeds
+  bool has_math_library = false;        // the program's file mentions numpy, OpenBLAS or MKL
+  std::string no_shim;                  // why the preload library cannot be used; empty: usable
   std::vector<std::string> allocators;  // files of other allocators
-  std::vector<std::string> locales;     // names of locales with a decimal comma, of Turkish
-  std::string locale_folder;            // where they were made; empty: they are installed
-  std::string no_time_namespace;        // why there is none
-  std::string no_user_namespace;        // why there is none
-  std::string no_process_namespace;     // why there is none
-  std::string emulator;                 // qemu-x86_64; empty: there is none
-  Outcome control;                      // with the preload library, where there is one
-  Builds builds;                        // of the program, by --rebuild
+  std::vector<std::string> locales;     // names of a locale with a decimal comma and of a Turkish locale
+  std::string locale_folder;            // folder of compiled locales; empty: installed
+  std::string no_time_namespace;        // why there is none; empty: available
+  std::string no_user_namespace;        // why there is none; empty: available
+  std::string no_process_namespace;     // why there is none; empty: available
+  std::string emulator;                 // qemu-x86_64; empty: not found
+  Outcome control;                      // outcome with the preload library, if available
+  Builds builds;                        // builds of the program by --rebuild
 };
 
-/// Words before a program that give it other clocks, another user, another process number.
+/// Command words before a program that change its clocks, user or process number.
 std::vector<std::string> time_wrapper();
 std::vector<std::string> user_wrapper();
 std::vector<std::string> process_wrapper();
 
-/// Whether the processor has an instruction set, by its name in /proc/cpuinfo.
+/// Whether the processor has a feature, by its name in /proc/cpuinfo.
 bool processor_has(const std::string& feature);
 
-/// `words`: the program and its arguments. `folder`: where locales are made. `is_asked`: whether a perturbation of this
-/// name is to be run; what nobody asks for is not looked for.
+/// `words`: the program and its arguments. `folder`: for compiled locales. `is_asked`: whether a perturbation was
+/// requested; facts for other perturbations are not collected.
 Facts collect_facts(const std::vector<std::string>& words, const std::string& folder,
                     const std::function<bool(std::string_view name)>& is_asked);
 

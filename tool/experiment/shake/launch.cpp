@@ -32,7 +32,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// Every run has as many variables, with as many bytes: else the size of the environment would move the stack.
+// Every run has an equal number of variables and bytes in its environment. The size of the environment would otherwise
+// move the stack.
 constexpr std::size_t added_variable_count = 16;
 constexpr std::size_t added_size = std::size_t{8} << 10;
 constexpr std::size_t output_size_max = std::size_t{16} << 20;
@@ -40,7 +41,7 @@ constexpr std::size_t other_folder_entries_max = 4096;
 
 #ifdef __linux__
 
-/// Between fork and exec.
+/// Runs between fork and exec.
 void set_process(const void* with) {
   const auto& settings = *static_cast<const ProcessSettings*>(with);
   constexpr unsigned long query = 0xffffffff;
@@ -105,7 +106,7 @@ std::string value_in(const std::vector<std::string>& variables, const std::strin
   return "";
 }
 
-/// A variable that is there keeps its place: else a new value would change the order of all behind it.
+/// An existing variable keeps its position. A new value would otherwise change the order of the following variables.
 void set_in(std::vector<std::string>& variables, const std::string& name, const std::optional<std::string>& value) {
   const auto is_it = [&](const std::string& variable) { return variable.compare(0, name.size() + 1, name + "=") == 0; };
   const auto first = std::find_if(variables.begin(), variables.end(), is_it);
@@ -146,7 +147,7 @@ std::vector<std::string> environment_of(const Conditions& conditions, const Laun
   if (!tunables.empty()) set_in(variables, "GLIBC_TUNABLES", joined(tunables, ':'));
   set_in(variables, shim::page_variable, page);
   set_in(variables, "TICKTRUE_RESULT", result);
-  set_in(variables, verifier::completion_variable, "0");  // run_child sets the number, in this place
+  set_in(variables, verifier::completion_variable, "0");  // run_child sets the number at this position
   const std::size_t count = inherited.size() + added_variable_count;
   for (int i = 0; variables.size() + 1 < count; ++i) variables.push_back("TICKTRUE_SPACE_" + std::to_string(i) + "=");
   std::string last = "TICKTRUE_SPACE=";
@@ -223,7 +224,7 @@ Result<Run> Launcher::run(const Conditions& conditions) {
     const std::lock_guard guard(lock_);
     name = std::to_string(run_count_++);
   }
-  // Paths of one length in all runs.
+  // Paths have the same length in all runs.
   constexpr std::size_t digits = 6;
   name.insert(0, digits - std::min(digits, name.size()), '0');
   const std::string page = options_.folder + "/run-" + name;
@@ -258,7 +259,7 @@ Result<Run> Launcher::run(const Conditions& conditions) {
   Run run;
   const bool has_page = read_page(page, run.page) && run.page.session.magic == shim::page_magic;
   const std::string written = text_of_file(result);
-  // `ticktrue verify --json` and the like print their report.
+  // `ticktrue verify --json` and similar programs print their report.
   run.outcome = judge(child, command.limits, written.empty() ? child.output : written, has_page ? &run.page : nullptr);
   if (conditions.settings.libm_log != 0) run.libm_calls = read_libm_log(libm_log);
   std::error_code ignored;

@@ -16,32 +16,32 @@
 
 namespace ticktrue::shake {
 
-/// Set in the child before the program begins. Elsewhere than on Linux: nothing.
+/// Settings that the child applies before the program starts. They have no effect on systems other than Linux.
 struct ProcessSettings {
-  unsigned long personality = 0;  // flags that are added
+  unsigned long personality = 0;  // flags to add
   bool on_one_cpu = false;
   bool has_unlimited_stack = false;
   bool has_few_files = false;
   bool has_no_huge_pages = false;
   bool prints_to_null = false;
   bool prints_to_terminal = false;
-  int terminal = -1;  // standard output, where it is a terminal: set by the launcher
+  int terminal = -1;  // standard output, if it is a terminal; the launcher sets it
   int umask = -1;
 };
 
 enum class EnvironmentOrder : std::uint8_t { inherited, reversed };
 
-/// What differs from a plain run. Default: nothing.
+/// The differences from a plain run. Default: none.
 struct Conditions {
   shim::Settings settings;
   bool has_shim = true;
   std::vector<std::pair<std::string, std::optional<std::string>>> environment;
   EnvironmentOrder order = EnvironmentOrder::inherited;
-  std::vector<std::string> tunables;  // of GLIBC_TUNABLES
-  std::vector<std::string> preload;   // further libraries
-  std::vector<std::string> wrapper;   // words before the program
-  bool wrapper_reverses = false;      // it hands the environment on in the reverse order
-  std::string program;                // in place of the first word; empty: that word
+  std::vector<std::string> tunables;  // entries of GLIBC_TUNABLES
+  std::vector<std::string> preload;   // additional libraries
+  std::vector<std::string> wrapper;   // command words before the program
+  bool wrapper_reverses = false;      // the wrapper reverses the order of the environment
+  std::string program;                // replaces the first word; empty: the first word
   ProcessSettings process;
   bool in_other_folder = false;
 };
@@ -49,15 +49,15 @@ struct Conditions {
 struct LaunchOptions {
   std::vector<std::string> words;  // the program and its arguments
   std::string folder;              // for the files of runs
-  std::string shim_path;           // empty: there is none
-  double time_s = 60;              // of a run
+  std::string shim_path;           // empty: no preload library
+  double time_s = 60;              // limit of one run
 };
 
-/// A run, with what the preload library left behind.
+/// A run, and the data that the preload library wrote.
 struct Run {
   Outcome outcome;
   shim::Page page{};
-  std::vector<shim::LibmCall> libm_calls;  // where they were logged
+  std::vector<shim::LibmCall> libm_calls;  // if logged
 };
 
 class Launcher {
@@ -67,7 +67,7 @@ class Launcher {
   Launcher& operator=(const Launcher&) = delete;
   ~Launcher() { end_escaped(); }
 
-  /// From any thread. Errors: io (files of the run).
+  /// May be called from any thread. Errors: io (files of the run).
   Result<Run> run(const Conditions& conditions);
 
   bool has_shim() const { return !options_.shim_path.empty(); }
@@ -75,9 +75,9 @@ class Launcher {
   void set_time_limit(double time_s) { options_.time_s = time_s; }
   std::uint64_t run_count() const { return run_count_; }
   const LaunchOptions& options() const { return options_; }
-  /// Kills what runs left behind. Requires: no run is under way, whose processes could be among them.
+  /// Kills processes that runs left behind. Requires: no run is in progress, because its processes could be killed.
   void end_escaped();
-  /// What was left behind, of all runs.
+  /// The processes that any run left behind.
   std::string escaped() const { return verifier::escaped_text(escaped_); }
 
  private:
@@ -85,16 +85,17 @@ class Launcher {
   std::mutex lock_;
   std::uint64_t run_count_ = 0;
   std::vector<verifier::EscapedChild> escaped_;
-  std::size_t ended_count_ = 0;  // of them, the first
+  std::size_t ended_count_ = 0;  // the first entries, which have ended
 };
 
-/// "ticktrue shake TRACE -- PROGRAM ARGUMENTS", for a shell. `words`: of the program, as a user gave them.
+/// "ticktrue shake TRACE -- PROGRAM ARGUMENTS", quoted for a shell. `words`: the program and arguments that the user
+/// gave.
 std::string shake_command(const std::string& trace, const std::vector<std::string>& words);
 
-/// The file that the first word names, by PATH where it has no slash.
+/// The file that `word` names. A word without a slash is searched in PATH.
 std::string find_program(const std::string& word);
 
-/// A folder in which every entry of the present one is linked. Errors: io, limit.
+/// Makes a folder with a link to every entry of the current folder. Errors: io, limit.
 Result<std::string> make_other_folder(const std::string& folder);
 
 }  // namespace ticktrue::shake

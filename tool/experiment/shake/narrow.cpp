@@ -1,8 +1,8 @@
-// The shortest beginning of all calls that is enough, then its last call alone; else ddmin over the rest.
+// Finds the shortest sufficient prefix of all calls, then tries its last call alone. If that is not enough, runs ddmin.
 // SPDX-License-Identifier: MIT
 //
-// The calls before the first changed one are the same in every run of a program that repeats itself. So calls keep
-// their numbers while the beginning is narrowed.
+// The calls before the first changed call are equal in every run of a repeatable program. Calls therefore keep their
+// numbers while the prefix is narrowed.
 #include "tool/experiment/shake/narrow.h"
 
 #include <algorithm>
@@ -26,7 +26,7 @@ class Narrower {
   Narrower(Launcher& launcher, Conditions guilty, const NarrowOptions& options)
       : launcher_(launcher), guilty_(std::move(guilty)), options_(options) {}
 
-  /// Whether the run is another one. False as well when there is no time left: the search then ends early.
+  /// Whether changing these calls changes the run. Also false if no time is left; the search then ends early.
   bool is_other(const std::vector<CallRange>& ranges) {
     Conditions conditions = guilty_;
     set_ranges(conditions.settings, ranges);
@@ -40,7 +40,7 @@ class Narrower {
     return is_other_run(conditions);
   }
 
-  /// As for ranges.
+  /// Whether the run under these conditions differs. Also false if no time is left.
   bool is_other_run(const Conditions& conditions) {
     if (!options_.goes_on()) {
       has_ended_early_ = true;
@@ -73,7 +73,7 @@ class Narrower {
   bool has_ended_early_ = false;
 };
 
-/// The least n in (low, high] with holds(n). Requires: holds(high), not holds(low).
+/// The smallest n in (low, high] with holds(n). Requires: holds(high), not holds(low).
 template <typename Holds>
 std::uint64_t least(std::uint64_t low, std::uint64_t high, Holds&& holds) {
   while (high - low > 1) {
@@ -122,7 +122,8 @@ Cause narrow_calls(Narrower& runs, const Perturbation& perturbation, const Outco
   std::vector<CallRange> ranges{{end - 1, end}};
   std::uint64_t needed = 1;
   if (!runs.is_other(ranges)) {
-    // Several calls together, the last of which is known: the latest beginning that is still enough.
+    // Several calls matter together, and the last of them is known. Finds the shortest sufficient range that ends
+    // there.
     const std::uint64_t dropped = end - least(1, end, [&](std::uint64_t length) {
                                     return runs.is_other({{end - length, end}});
                                   });
@@ -183,7 +184,7 @@ Cause cause_of(const Run& run, const shim::LibmCall& call) {
   return cause;
 }
 
-/// The program as it is, with this one result changed by an ulp to what the other processor has.
+/// The plain program, but with this one result changed by an ulp to the result of the other processor.
 Conditions one_result(const shim::LibmCall& here, const shim::LibmCall& there) {
   constexpr std::uint32_t up = 1;
   constexpr std::uint32_t down = 2;
@@ -194,8 +195,8 @@ Conditions one_result(const shim::LibmCall& here, const shim::LibmCall& there) {
   return conditions;
 }
 
-/// The first libm result that is another one and matters: a run as it is beside one under the conditions, both with a
-/// log. A result that rounding swallows does not matter.
+/// Finds the first libm result that differs and matters. Compares the logs of a plain run and of a run under `guilty`.
+/// A result that a later rounding removes does not matter.
 Cause compare_libm(Launcher& launcher, const Conditions& guilty, const NarrowOptions& options) {
   constexpr int tried_max = 24;
   Conditions plain;

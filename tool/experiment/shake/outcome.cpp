@@ -1,4 +1,4 @@
-// The result file is a report of schema ticktrue.verify/2 (or 1) on each line, one for each session.
+// Each line of a result file is a report of schema ticktrue.verify/2 (or 1), one for each session.
 // SPDX-License-Identifier: MIT
 #include "tool/experiment/shake/outcome.h"
 
@@ -27,7 +27,7 @@ OutcomeValue value_at(const nlohmann::json& object, const char* key) {
   return {verifier::value_text(*found), found->is_number()};
 }
 
-/// The first lane of the first row that differs; without one, the first table and column.
+/// Reads the first differing lane of the first differing row. Without a row, reads the first table and column.
 void read_place(const nlohmann::json& divergence, Outcome& outcome) {
   outcome.tick = number_at(divergence, "tick");
   outcome.stage = text_at(divergence, "stage");
@@ -70,7 +70,7 @@ void read_report(const nlohmann::json& report, Outcome& outcome) {
   outcome.reason = verdict + (reason.empty() ? "" : ": " + reason);
 }
 
-/// The first report that is no match counts.
+/// Reads the first report that is not a match.
 bool read_result(const std::string& result, Outcome& outcome) {
   bool has_report = false;
   const auto take = [&](const std::string& text) {
@@ -141,7 +141,7 @@ Outcome judge(const verifier::ChildResult& child, const verifier::ChildLimits& l
     outcome.reason = failure;
     return outcome;
   }
-  // A report that was written before the end of the program counts.
+  // A report counts even if the program failed later.
   if (read_result(result, outcome)) return outcome;
   const bool is_hung =
       child.end.how == verifier::ChildEnd::How::timed_out || child.end.how == verifier::ChildEnd::How::stopped;

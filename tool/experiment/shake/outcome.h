@@ -1,4 +1,4 @@
-// How a run of a program ended, and what its session said.
+// How a run of a program ended, and the verdict of its session.
 // SPDX-License-Identifier: MIT
 #pragma once
 
@@ -13,10 +13,10 @@
 
 namespace ticktrue::shake {
 
-/// `other`: a verdict that is neither match nor diverged. `no_result`: the program ended without one.
+/// `other`: a verdict other than match and diverged. `no_result`: the program ended without a verdict.
 enum class OutcomeKind : std::uint8_t { match, diverged, other, no_result, crashed, hung, not_started };
 
-/// Of a column, as the report has it.
+/// A value of a column, as in the report.
 struct OutcomeValue {
   std::string text;  // empty: none
   bool is_number = false;
@@ -24,22 +24,22 @@ struct OutcomeValue {
 
 struct Outcome {
   OutcomeKind kind = OutcomeKind::not_started;
-  std::string reason;      // of all but match and diverged: one line
-  std::uint64_t tick = 0;  // diverged: the tick at whose end the states differ; crashed, hung: the tick that ran
-  std::string stage;       // where known
-  std::string table;       // where known
-  std::string column;      // where known
+  std::string reason;      // one line; empty for match and diverged
+  std::uint64_t tick = 0;  // diverged: the tick at whose end the states differ; crashed, hung: the running tick
+  std::string stage;       // empty: unknown
+  std::string table;       // empty: unknown
+  std::string column;      // empty: unknown
   std::optional<std::uint64_t> row;
   std::string row_name;
-  OutcomeValue expected;  // of the first lane, where the trace holds it
+  OutcomeValue expected;  // of the first lane, if the trace stores it
   OutcomeValue got;
-  std::string got_hash;  // of the state of that tick
+  std::string got_hash;  // of the state after that tick
   std::uint64_t ticks_compared = 0;
   int exit_status = 0;
   double wall_s = 0;
-  std::vector<verifier::EscapedChild> escaped;  // processes that were left behind
+  std::vector<verifier::EscapedChild> escaped;  // processes that the run left behind
 
-  // Of the page.
+  // Read from the page:
   bool has_shim = false;     // the preload library was loaded
   bool has_session = false;  // a session was opened
   std::uint64_t changed_count = 0;
@@ -49,10 +49,10 @@ struct Outcome {
   std::uint64_t calls_of(shim::Group group) const;
 };
 
-/// "diverged", "crashed" and so on: as in JSON.
+/// The name in JSON: "diverged", "crashed" and so on.
 const char* outcome_name(OutcomeKind kind);
 
-/// Two runs with the same signature did the same.
+/// Runs with equal signatures behaved in the same way.
 std::string signature(const Outcome& outcome);
 
 /// `result`: the lines of the result file, or the JSON that the program printed.

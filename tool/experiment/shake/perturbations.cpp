@@ -1,4 +1,4 @@
-// Each row: what it changes, when it applies, and how its source is held still.
+// Each row: the change, the conditions for it, and how to fix its source.
 // SPDX-License-Identifier: MIT
 #include "tool/experiment/shake/perturbations.h"
 
@@ -19,7 +19,7 @@ using shim::Group;
 constexpr std::int64_t day_s = 86400;
 constexpr std::int64_t year_s = 365 * day_s;
 
-// --- when they apply ------------------------------------------------------------------------------------------------
+// --- conditions -----------------------------------------------------------------------------------------------------
 
 std::string always(const Facts&) {
   return "";
@@ -29,7 +29,7 @@ std::string shim_loaded(const Facts& facts) {
   return facts.no_shim;
 }
 
-/// The tool looks at its float settings, and refuses others than those it needs.
+/// ticktrue checks its float settings and refuses others.
 std::string needs_other_program(const Facts& facts) {
   return facts.is_this_tool ? "ticktrue does not verify under other float settings" : facts.no_shim;
 }
@@ -131,7 +131,7 @@ std::string needs_math_library(const Facts& facts) {
   return facts.has_math_library ? "" : "no OpenBLAS, MKL or Python in the program";
 }
 
-// --- what they change -----------------------------------------------------------------------------------------------
+// --- changes --------------------------------------------------------------------------------------------------------
 
 void heap_fill(Conditions& conditions, unsigned variant, std::uint64_t, const Facts&) {
   constexpr std::int32_t fills[] = {0xa5, 0x00, 0xff, shim::heap_fill_varied};

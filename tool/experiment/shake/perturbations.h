@@ -1,4 +1,4 @@
-// The table of perturbations: one row for each.
+// The table of perturbations, one row for each perturbation.
 // SPDX-License-Identifier: MIT
 #pragma once
 
@@ -17,20 +17,20 @@ namespace ticktrue::shake {
 /// A: must never matter. B: differs between machines. C: measures sensitivity.
 enum class Kind : char { a = 'A', b = 'B', c = 'C' };
 
-/// How a guilty perturbation is narrowed.
+/// How a perturbation that moves the program is narrowed.
 enum class Narrowing : std::uint8_t { none, calls, ticks, libm_results, dispatch };
 
 struct Perturbation {
   std::string_view name;
   Kind kind;
   std::string_view what;  // one line
-  std::string_view mend;  // what to do about it
+  std::string_view mend;  // how to mend the cause
   bool uses_shim;
-  bool is_combinable;  // may be part of the run of all A at once
+  bool is_combinable;  // may take part in the common run of all A
   Narrowing narrowing;
-  shim::Group group;  // of narrowing by calls
+  shim::Group group;  // the group of calls to narrow
   unsigned variant_count;
-  /// Empty: it applies. Else why it does not.
+  /// The reason why the perturbation does not apply; empty: it applies.
   std::string (*missing)(const Facts& facts);
   void (*apply)(Conditions& conditions, unsigned variant, std::uint64_t seed, const Facts& facts);
   /// Fixes the source, for a program whose runs differ; may be null.

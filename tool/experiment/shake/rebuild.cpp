@@ -1,4 +1,4 @@
-// The command reads CC, CXX, CFLAGS and CXXFLAGS, and writes the program to the file TICKTRUE_PROGRAM.
+// The build command reads CC, CXX, CFLAGS and CXXFLAGS, and writes the program to the file TICKTRUE_PROGRAM.
 // SPDX-License-Identifier: MIT
 #include "tool/experiment/shake/rebuild.h"
 
@@ -51,7 +51,7 @@ bool is_clang(const std::string& compiler) {
   return run_shell(compiler + " --version", probe_time_s).output.find("clang") != std::string::npos;
 }
 
-/// Of the other family; empty where none is installed.
+/// Compilers of the other family; empty: none is installed.
 Compilers other_compilers() {
   if (is_clang(own_compilers().cpp)) return find_program("g++").empty() ? Compilers{} : Compilers{"gcc", "g++"};
   for (const char* version : {"", "-19", "-18", "-17", "-16", "-15", "-14"})
@@ -60,7 +60,7 @@ Compilers other_compilers() {
   return {};
 }
 
-/// Flags for this kind, or why there is no such build here.
+/// The flags of a kind, or the reason why this kind cannot be built here.
 struct Flags {
   std::string words;
   std::string missing;
@@ -74,7 +74,7 @@ Flags flags_of(BuildKind kind) {
     case BuildKind::contraction:
 #ifdef __x86_64__
       if (!processor_has("fma")) return {"", "this processor has no fused products"};
-      // At -O1, gcc fuses nothing without the pass of -O2.
+      // At -O1, gcc only fuses products with this pass of -O2.
       return {is_clang(own_compilers().cpp) ? "-mfma -ffp-contract=fast"
                                             : "-mfma -ffp-contract=fast -fexpensive-optimizations",
               ""};
@@ -98,10 +98,10 @@ std::string last_lines(const std::string& text) {
   return last;
 }
 
-/// What went wrong; empty: the program was built.
+/// The error of a build; empty: success.
 struct Failure {
   std::string what;
-  std::string lines;  // the last ones that the command printed
+  std::string lines;  // the last printed lines of the command
 };
 Failure build(const RebuildOptions& options, const std::string& program, const Compilers& compilers,
               const std::string& flags) {

@@ -1,4 +1,4 @@
-// Builds the shaken program anew: by another compiler, without optimisation, with fused products.
+// Rebuilds the shaken program: with another compiler, without optimisation, with fused products.
 // SPDX-License-Identifier: MIT
 #pragma once
 
@@ -16,28 +16,28 @@ enum class BuildKind : std::uint8_t { other_compiler, no_optimisation, contracti
 inline constexpr std::size_t build_kind_count = 4;
 
 struct Build {
-  std::string program;  // its file
-  std::string missing;  // why there is none; empty: there is one
+  std::string program;  // file of the program
+  std::string missing;  // why the build is missing; empty: it exists
 };
 using Builds = std::array<Build, build_kind_count>;
 
 struct RebuildOptions {
-  std::string command;  // for sh
-  std::string folder;   // for programs
-  double time_s = 600;  // of a build
+  std::string command;  // command for sh
+  std::string folder;   // folder for programs
+  double time_s = 600;  // limit of one build
 };
 
-/// Of a perturbation by its name: the build that it runs.
+/// The build that a perturbation runs, by the name of the perturbation.
 std::optional<BuildKind> build_kind_named(std::string_view perturbation);
 
-/// No build, and why.
+/// Builds that are all missing, with the reason.
 Builds no_builds(const std::string& why);
 
-/// The program as the command builds it, with the compiler and the flags of this environment. Errors: usage (the
-/// command fails, or leaves no program; its last lines are the hint).
+/// Builds the program with the compiler and the flags of this environment. Errors: usage (the command fails or leaves
+/// no program; the hint has its last lines).
 Result<std::string> build_as_is(const RebuildOptions& options);
 
-/// `as_is`: of build_as_is. A kind whose build fails, or gives the same bytes, is missing.
+/// `as_is`: the program of build_as_is. A kind whose build fails, or gives equal bytes, is missing.
 Build build_kind(const RebuildOptions& options, BuildKind kind, const std::string& as_is);
 
 }  // namespace ticktrue::shake

@@ -1,4 +1,4 @@
-// Runs of one program under one perturbation after another.
+// Runs one program under one perturbation after another.
 // SPDX-License-Identifier: MIT
 #include "tool/experiment/shake/shake.h"
 
@@ -20,16 +20,16 @@ namespace {
 using Clock = std::chrono::steady_clock;
 
 constexpr int control_count = 3;
-constexpr int diverged_control_count = 8;  // they end at the first difference, and so say less
+constexpr int diverged_control_count = 8;  // such runs end at the first difference, so each says less
 constexpr int late_control_count = 3;
 constexpr int unstable_control_count = 12;
-// Runs in a row that must agree before chance is ruled out: it would make them agree so rarely.
+// Number of consecutive runs that must agree. The chance that a varying program agrees so often is at most chance_max.
 constexpr double chance_max = 1e-3;
 constexpr int still_count_max = 40;
 constexpr int confirmation_count_max = 100;
-constexpr unsigned together_count = 4;  // every variant of each
-constexpr double slowest_run = 20;      // times the control
-constexpr double run_time_min_s = 10;   // under emulation a short program takes seconds
+constexpr unsigned together_count = 4;  // covers every variant of each perturbation
+constexpr double slowest_run = 20;      // limit of a run, in multiples of the control
+constexpr double run_time_min_s = 10;   // under emulation, a short program takes seconds
 
 class Shaking {
  public:
@@ -74,7 +74,7 @@ class Shaking {
 
   RebuildOptions rebuild_options() const { return {options_.rebuild, options_.launch.folder, options_.launch.time_s}; }
 
-  /// A command that cannot build the program is told before anything runs.
+  /// Builds the program first. A failing command is reported before anything runs.
   Status begin_rebuild() {
     if (options_.rebuild.empty()) return {};
     Result<std::string> program = build_as_is(rebuild_options());
@@ -83,7 +83,7 @@ class Shaking {
     return {};
   }
 
-  /// Every kind that is asked for, and what the program does that is built with nothing changed.
+  /// Builds every requested kind, and runs the unchanged build as a baseline.
   Status rebuild() {
     facts_.builds = no_builds("without --rebuild CMD there is no other build of the program");
     build_baseline_ = baseline_;
@@ -105,7 +105,7 @@ class Shaking {
     return {};
   }
 
-  /// What a run does in which nothing matters.
+  /// The signature of an unchanged run.
   const std::string& baseline_of(const Perturbation& perturbation) const {
     return build_kind_named(perturbation.name) ? build_baseline_ : baseline_;
   }
@@ -116,7 +116,7 @@ class Shaking {
     expected_ = control_count + 1;
     Conditions plain;
     plain.has_shim = false;
-    Conditions idle;  // with the preload library, which changes nothing
+    Conditions idle;  // with the preload library, but without changes
     const auto add = [&](const Conditions& conditions, std::vector<Outcome>& outcomes) -> Status {
       const Result<Run> run = launcher_.run(conditions);
       if (!run) return run.error();
@@ -155,7 +155,7 @@ class Shaking {
     return report_.control.front().kind != OutcomeKind::match && is_control_equal();
   }
 
-  /// More runs of the program as it is. Chance may have made the first ones equal.
+  /// Adds runs of the plain program, because the first runs may have been equal by chance.
   Status run_control_again(int count) {
     Conditions plain;
     plain.has_shim = false;
@@ -170,7 +170,7 @@ class Shaking {
     return {};
   }
 
-  /// False: nothing can be examined, and the report says why.
+  /// False: nothing can be examined, and the report gives the reason.
   bool judge_first(const Outcome& first) {
     switch (first.kind) {
       case OutcomeKind::match:
@@ -190,7 +190,7 @@ class Shaking {
     return false;
   }
 
-  // --- a program that repeats itself --------------------------------------------------------------------------------
+  // --- a repeatable program -----------------------------------------------------------------------------------------
 
   Conditions conditions_of(const Choice& choice, unsigned variant, std::uint64_t seed) const {
     Conditions conditions;
@@ -256,7 +256,8 @@ class Shaking {
     return {};
   }
 
-  /// All of A in one run. Where nothing moves, none of them needs a run of its own.
+  /// Applies all perturbations of class A in one run. If the program does not move, no perturbation needs a run of its
+  /// own.
   Status run_together() {
     std::vector<RowResult*> members;
     for (RowResult& row : report_.rows)
@@ -280,7 +281,7 @@ class Shaking {
     return {};
   }
 
-  /// From any thread.
+  /// May be called from any thread.
   Status run_row(RowResult& row, std::mutex& lock) {
     const Perturbation& perturbation = *row.choice.perturbation;
     for (std::uint64_t seed_round = 0; seed_round < options_.seed_count; ++seed_round)
@@ -313,7 +314,7 @@ class Shaking {
     return {};
   }
 
-  /// A program that cannot begin under a perturbation has not moved: the perturbation does not apply.
+  /// If a program cannot start under a perturbation, the perturbation does not apply.
   static bool is_own_refusal(const Perturbation& perturbation, const Outcome& outcome, RowResult& row) {
     if (outcome.has_session || outcome.kind == OutcomeKind::diverged) return false;
     const bool is_launch = !perturbation.uses_shim;
@@ -323,7 +324,7 @@ class Shaking {
     return true;
   }
 
-  /// No single one moves the program, and all together do: a least set that does.
+  /// Finds a minimal set of perturbations that moves the program, because no single one does.
   Status find_set() {
     std::vector<const RowResult*> members;
     for (const RowResult& row : report_.rows)
@@ -367,7 +368,7 @@ class Shaking {
       }
       const Perturbation& perturbation = *row->choice.perturbation;
       const bool is_limited = row->choice.calls || row->choice.ticks;
-      // Its calls are changed in runs that hold it still alone.
+      // Calls of this perturbation can only be changed in runs that fix its source.
       if (perturbation.narrowing == Narrowing::calls && !perturbation.uses_shim) continue;
       if (is_limited || perturbation.kind == Kind::c || perturbation.narrowing == Narrowing::none || !goes_on())
         continue;
@@ -375,9 +376,10 @@ class Shaking {
     }
   }
 
-  // --- a program that does not --------------------------------------------------------------------------------------
+  // --- a program that does not repeat itself ------------------------------------------------------------------------
 
-  /// Runs that must agree. Agreement of fewer can be chance: the most frequent outcome of the control says how easily.
+  /// The number of runs that must agree. Fewer runs may agree by chance. The most frequent outcome of the control gives
+  /// that chance.
   int still_count() const {
     std::map<std::string, int> counts;
     int most = 0;
@@ -389,7 +391,7 @@ class Shaking {
     return count;
   }
 
-  /// Whether so many runs do the same.
+  /// Whether still_count_ runs are equal.
   Result<bool> holds_still(const Conditions& conditions) {
     std::string first;
     for (int i = 0; i < still_count_; ++i) {
@@ -404,8 +406,8 @@ class Shaking {
     return true;
   }
 
-  /// Whether the program varies as it is, and not with these conditions, in runs that take turns. The first runs of the
-  /// program say little of later ones: the load of the machine changes.
+  /// Whether plain runs vary and runs under these conditions do not. Both kinds of run alternate, because the load of
+  /// the machine changes and the first runs say little about later runs.
   Result<bool> is_confirmed(const Conditions& conditions, std::size_t source_count) {
     Conditions plain;
     plain.has_shim = false;
@@ -465,7 +467,7 @@ class Shaking {
     return {};
   }
 
-  /// What was learned of single rows before the program turned out not to repeat itself.
+  /// Drops the results of single perturbations that were found before the program turned out not to repeat itself.
   void forget_rows() {
     guilty_.clear();
     report_.rows.clear();
@@ -502,7 +504,7 @@ class Shaking {
     }
     const Perturbation& first = *rows.front();
     if (rows.size() != 1 || first.narrowing != Narrowing::calls || !options_.narrows) return {};
-    // What is trapped is counted in such a run alone.
+    // Trapped calls are only counted in a run that traps them.
     const Result<Run> run = launcher_.run(fixed(rows));
     if (!run) return run.error();
     const bool has_more = run->outcome.calls_of(first.group) > facts_.control.calls_of(first.group);
@@ -523,9 +525,9 @@ class Shaking {
   Facts facts_;
   std::string no_shim_;
   std::string baseline_;
-  std::string built_as_is_;                 // a program; empty: without --rebuild
-  std::string build_baseline_;              // of that program
-  std::optional<unsigned> moved_together_;  // variant
+  std::string built_as_is_;                 // the unchanged build; empty: without --rebuild
+  std::string build_baseline_;              // signature of the unchanged build
+  std::optional<unsigned> moved_together_;  // the variant that moved the program
   std::vector<std::pair<RowResult*, Conditions>> guilty_;
   std::uint64_t expected_ = 0;
   int still_count_ = still_count_max;

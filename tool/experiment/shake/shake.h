@@ -1,7 +1,7 @@
-// The order of runs: control, all of A at once, one at a time, narrowing.
+// The order of runs: control, all of A at once, one perturbation at a time, narrowing.
 // SPDX-License-Identifier: MIT
 //
-// For a program that does not repeat itself: what has to be held still so that it does.
+// For a program that does not repeat itself, finds the sources that must be fixed to make it repeat.
 #pragma once
 
 #include <functional>
@@ -14,7 +14,7 @@
 
 namespace ticktrue::shake {
 
-/// A perturbation that was asked for, and where it is to act.
+/// A requested perturbation, and the range in which it acts.
 struct Choice {
   const Perturbation* perturbation = nullptr;
   std::optional<shim::CallRange> calls;
@@ -26,10 +26,10 @@ struct ShakeOptions {
   std::vector<Choice> choices;
   unsigned seed_count = 1;
   unsigned thread_count = 1;
-  std::optional<double> time_s;  // no run begins later
+  std::optional<double> time_s;  // no run begins after this time
   bool narrows = true;
-  bool each_alone = false;  // no run of all A at once
-  std::string rebuild;      // command that builds the program; empty: there is none
+  bool each_alone = false;  // omits the common run of all A
+  std::string rebuild;      // command that builds the program; empty: none
   std::function<void(std::uint64_t done, std::uint64_t expected)> progress;  // may be empty
 };
 
@@ -38,18 +38,18 @@ enum class RowState : std::uint8_t { same, same_together, moved, not_applicable,
 struct RowResult {
   Choice choice;
   RowState state = RowState::not_run;
-  std::string reason;  // of not_applicable and not_run
+  std::string reason;  // for not_applicable and not_run
   unsigned run_count = 0;
-  double wall_s = 0;         // of these runs together
-  Outcome outcome;           // moved: of the first run that was another
-  unsigned moved_count = 0;  // of `repeat_count` runs under those conditions
+  double wall_s = 0;         // total of these runs
+  Outcome outcome;           // moved: of the first run that differed
+  unsigned moved_count = 0;  // of `repeat_count` runs under the same conditions
   unsigned repeat_count = 0;
-  std::optional<Cause> cause;  // moved, and narrowed
+  std::optional<Cause> cause;  // if moved and narrowed
 };
 
-/// What holds the program still.
+/// The fixes that make the program repeat itself.
 struct FixResult {
-  std::vector<std::string> names;  // perturbations whose source was fixed; all of them together were needed
+  std::vector<std::string> names;  // perturbations whose source was fixed; all are needed
   std::vector<std::string> mends;
   std::optional<Cause> cause;
   bool is_found = false;
@@ -58,17 +58,17 @@ struct FixResult {
 struct ShakeReport {
   std::vector<Outcome> control;
   std::vector<Outcome> control_with_shim;
-  bool repeats = false;  // the control
-  std::string failure;   // why nothing could be examined; empty: something was
+  bool repeats = false;  // the control runs are equal
+  std::string failure;   // why nothing could be examined; empty: examined
   std::vector<RowResult> rows;
-  std::vector<std::string> together;  // only these together move the program
+  std::vector<std::string> together;  // perturbations that only move the program together
   Outcome together_outcome;
   FixResult fix;
-  std::vector<std::string> instructions;  // of the program that no fix reaches: "rdrand in draw (game.cpp:12)"
+  std::vector<std::string> instructions;  // of the program, out of reach of any fix: "rdrand in draw (game.cpp:12)"
   std::vector<std::string> notes;
   std::uint64_t run_count = 0;
   double wall_s = 0;
-  bool ended_early = false;  // by --time
+  bool ended_early = false;  // because of --time
 
   std::size_t count(RowState state) const;
   std::size_t moved_count(Kind kind) const;

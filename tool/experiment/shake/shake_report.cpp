@@ -37,7 +37,7 @@ std::string class_of(const RowResult& row) {
 
 std::string moved_text(const RowResult& row) {
   std::string text = row.outcome.kind == OutcomeKind::diverged ? "DIVERGED "
-                     : row.outcome.kind == OutcomeKind::match  ? "MOVED    "  // the control is not as recorded
+                     : row.outcome.kind == OutcomeKind::match  ? "MOVED    "  // the control does not run as recorded
                                                                : "FAILED   ";
   text += outcome_text(row.outcome);
   if (row.repeat_count > row.moved_count)
@@ -45,7 +45,7 @@ std::string moved_text(const RowResult& row) {
   return text;
 }
 
-/// "  label   a, b, c", in lines that are not too long.
+/// " label a, b, c", wrapped into lines of limited length.
 std::string list_text(const std::string& label, const std::vector<std::string>& names) {
   std::string text;
   std::string line = "  " + padded(label, name_width);
@@ -112,7 +112,7 @@ std::string fix_text(const ShakeReport& report) {
   return text;
 }
 
-/// What does not apply, by its reason.
+/// The perturbations that do not apply, by reason.
 std::string reasons_text(const ShakeReport& report) {
   std::string text;
   std::vector<std::string> reasons;
@@ -129,7 +129,7 @@ std::string reasons_text(const ShakeReport& report) {
   return text;
 }
 
-/// One thing to do for each cause.
+/// One next step for each cause.
 std::vector<std::string> next_steps(const ShakeReport& report) {
   std::vector<std::string> steps = report.fix.mends;
   for (const RowResult& row : report.rows)
@@ -162,7 +162,7 @@ const char* state_name(const RowResult& row) {
   return "";
 }
 
-/// A number as the report had it.
+/// A number as in the report.
 Json value_json(const OutcomeValue& value) {
   if (!value.is_number) return value.text;
   if (value.text == "-0") return -0.0;

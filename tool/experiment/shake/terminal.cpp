@@ -1,4 +1,4 @@
-// A pseudo-terminal of the system, and a thread that reads it.
+// Opens a pseudo-terminal of the system, and reads it in a thread.
 // SPDX-License-Identifier: MIT
 #include "tool/experiment/shake/terminal.h"
 
@@ -15,14 +15,14 @@ namespace ticktrue::shake {
 #ifdef __linux__
 namespace {
 
-/// Until the pipe is closed.
+/// Reads and discards text until the pipe is closed.
 void read_away(int terminal, int end) {
   char text[4096];
   for (;;) {
     pollfd watched[] = {{terminal, POLLIN, 0}, {end, POLLIN, 0}};
     if (::poll(watched, 2, -1) < 0) continue;
     if (watched[1].revents != 0) return;
-    // Nobody has it open: it is watched no more, or poll would return at once.
+    // No process has the terminal open. Watching it further would make poll return at once.
     if ((watched[0].revents & POLLIN) == 0 || ::read(terminal, text, sizeof text) <= 0) terminal = -1;
   }
 }

@@ -1,4 +1,4 @@
-// A terminal that a program prints to, and whose text nobody reads.
+// A terminal that a program prints to, and whose text is discarded.
 // SPDX-License-Identifier: MIT
 #pragma once
 
@@ -6,7 +6,7 @@
 
 namespace ticktrue::shake {
 
-/// Takes what is printed, so that the program need not wait. Elsewhere than on Linux there is none.
+/// Discards printed text, so that the program never blocks. Systems other than Linux have no such terminal.
 class Terminal {
  public:
   Terminal();
@@ -14,13 +14,13 @@ class Terminal {
   Terminal& operator=(const Terminal&) = delete;
   ~Terminal();
 
-  /// For the standard output of a child; -1: there is no terminal.
+  /// For the standard output of a child; -1: no terminal.
   int descriptor() const { return program_side_; }
 
  private:
   int own_side_ = -1;
   int program_side_ = -1;
-  int end_[2] = {-1, -1};  // a pipe: the reader ends when it is closed
+  int end_[2] = {-1, -1};  // a pipe; closing it ends the reader
   std::thread reader_;
 };
 

@@ -1,4 +1,4 @@
-// Reading, writing and comparing tests/worlds/cache_counts.tsv.
+// Reads, writes and compares tests/worlds/cache_counts.tsv.
 // SPDX-License-Identifier: MIT
 #include "tool/experiment/soak/cache_counts.h"
 
@@ -13,7 +13,8 @@ struct CountedScene {
   const char* name;
   int tick_count;
 };
-// Bodies that rest in their margins, more contacts than two blocks of islands, joints enough for a wavefront sweep.
+// Scenes with bodies that rest within their margins, contacts for more than two blocks of islands, and enough joints
+// for a wavefront sweep.
 constexpr CountedScene counted_scenes[] = {
     {"pyramid?base=24", 90},
     {"mixed_pile?bodies=150", 150},

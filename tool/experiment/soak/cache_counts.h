@@ -1,4 +1,4 @@
-// How often cached structures are used again: a table in the repository, and what differs from it.
+// Cache hits and invalidations: a table in the repository, and its comparison.
 // SPDX-License-Identifier: MIT
 #pragma once
 
@@ -9,17 +9,17 @@
 
 namespace ticktrue::verifier::soak {
 
-/// What the cached structures of the worlds of a file of hashes and of a few built-in scenes counted together, on one
-/// thread. A change that makes a structure anew more or less often shows here, though no bit of a world differs.
+/// The counts are sums over the worlds of a file of hashes and over a few built-in scenes, on one thread. The counts
+/// show a change in how often caches are rebuilt, even if no bit of a world differs.
 
 /// Adds the counts of the built-in scenes, which are larger and rest longer than the worlds of hashes. Errors: those of
 /// Engine::step.
 Status add_counts_of_scenes(engine::CacheReport& counts);
-/// A line "cache, hits, invalidations" for each cached structure, with tabs between.
+/// A line "cache, hits, invalidations" for each cache, separated by tabs.
 std::string print_cache_counts(const engine::CacheReport& counts);
-/// Errors: corrupt, with `place` and the line; a structure without a line.
+/// Errors: corrupt, with `place` and the line; corrupt if a cache has no line.
 Result<engine::CacheReport> parse_cache_counts(const std::string& text, const std::string& place);
-/// Errors: inconsistent, with the first structure whose counts differ.
+/// Errors: inconsistent, with the first cache whose counts differ.
 Status compare_cache_counts(const engine::CacheReport& expected, const engine::CacheReport& found,
                             const std::string& place);
 

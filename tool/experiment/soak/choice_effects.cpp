@@ -11,7 +11,7 @@ namespace {
 
 constexpr std::size_t measured_per_world = 10;
 
-/// Tables that have a row for each body or one for the world: that they exist shows nothing.
+/// Tables with a row for each body or one row for the world. Their presence shows no effect.
 constexpr std::array<std::string_view, 5> tables_of_all{"world", "sleep", "substeps", "accelerations", "integrator"};
 
 bool only_base_has_rows(const BaseRun& base, const StateSchema& other) {

@@ -18,24 +18,24 @@ namespace ticktrue::verifier::soak {
 
 /// A world in which a check found something.
 struct FailedWorld {
-  std::uint64_t index = 0;       // of the soak's seed
-  std::uint64_t world_seed = 0;  // of the generator
+  std::uint64_t index = 0;       // index of the world in the soak
+  std::uint64_t world_seed = 0;  // seed of the generator
   std::string variant;           // variant_text
-  std::uint64_t tick = 0;        // in the world as it was generated
+  std::uint64_t tick = 0;        // in the generated world
   std::string what;
-  std::string folder;            // of the shrunk world; empty: not shrunk
+  std::string folder;            // folder of the shrunk world; empty: not shrunk
   std::uint64_t body_count = 0;  // of the shrunk world
   std::uint64_t tick_count = 0;
-  std::uint64_t test_count = 0;  // runs that shrinking took
+  std::uint64_t test_count = 0;  // runs of the shrinker
 };
 
 struct ChoiceCoverage {
   std::uint64_t active = 0;    // worlds that use the choice
-  std::uint64_t measured = 0;  // of these, worlds that were run without the choice
-  std::uint64_t effect = 0;    // of these, worlds whose states differ without the choice
+  std::uint64_t measured = 0;  // of the active worlds: run without the choice
+  std::uint64_t effect = 0;    // of the measured worlds: states differ without the choice
 };
 
-/// Number of worlds with an effect after which a choice is no longer measured.
+/// A choice with an effect in this many worlds is no longer measured.
 inline constexpr std::uint64_t effect_count_wanted = 500;
 
 struct SoakCounters {
@@ -43,26 +43,26 @@ struct SoakCounters {
   std::uint64_t tick_count = 0;   // of the base runs
   std::uint64_t body_ticks = 0;   // of the base runs
   std::array<std::uint64_t, check_table.size()> run_counts{};
-  engine::CacheReport caches{};  // of the base runs
+  engine::CacheReport caches{};  // of the base runs and of their variants
   CacheTally while_hit{};
   std::map<std::string, ChoiceCoverage> choices;
   std::map<std::pair<std::string, std::string>, std::uint64_t> pairs;  // worlds that use both choices
   std::map<std::pair<std::string, std::string>, std::uint64_t> known;  // (cause, check): worlds
-  std::uint64_t ran_away_count = 0;       // worlds whose base run ended for BaseRun::ran_away
-  std::uint64_t joints_failed_count = 0;  // likewise
+  std::uint64_t ran_away_count = 0;       // worlds whose base run ended with BaseRun::ran_away
+  std::uint64_t joints_failed_count = 0;  // the same with BaseRun::joints_failed
   std::vector<FailedWorld> failures;
 };
 
-/// What the counters belong to; a soak resumes only its own.
+/// The identity of a soak. A soak resumes only its own counters.
 struct SoakIdentity {
   std::uint64_t seed = 0;
   std::string checks;  // variants and names, separated by commas
-  std::string commit;  // of the build
+  std::string commit;  // commit of the build
   bool operator==(const SoakIdentity&) const = default;
 };
 
 std::string print_progress(const SoakIdentity& identity, const SoakCounters& counters);
-/// `place` is what messages name first. Errors: corrupt; incompatible (of another soak).
+/// Messages begin with `place`. Errors: corrupt; incompatible (another soak).
 Result<SoakCounters> parse_progress(const std::string& text, const SoakIdentity& identity, const std::string& place);
 
 }  // namespace ticktrue::verifier::soak

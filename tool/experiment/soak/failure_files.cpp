@@ -1,4 +1,4 @@
-// Writing a shrunk world, and reading one back.
+// Writes a shrunk world, and reads a written world.
 // SPDX-License-Identifier: MIT
 #include "tool/experiment/soak/failure_files.h"
 

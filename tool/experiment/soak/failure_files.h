@@ -1,4 +1,4 @@
-// Writes files of a world that failed: the shrunk world and the command that reproduces the failure.
+// Writes the files of a failing world: the shrunk world, and the command that reproduces the failure.
 // SPDX-License-Identifier: MIT
 #pragma once
 
@@ -12,13 +12,13 @@
 namespace ticktrue::verifier::soak {
 
 struct FailureOptions {
-  std::string folder;         // is made
-  double shrink_time_s = 60;  // 0: the world is written as it is
+  std::string folder;         // created if missing
+  double shrink_time_s = 60;  // 0: the world is not shrunk
   OracleOptions oracle;
 };
 
-/// Shrinks the world with the variant that found something and writes scene.json, inputs.jsonl and command. Where the
-/// files cannot be written, `folder` of the result is empty and `what` says why.
+/// Shrinks the world with the variant that has the finding, and writes scene.json, inputs.jsonl and command. If the
+/// files cannot be written, `folder` of the result is empty and `what` gives the reason.
 FailedWorld write_failure(const SoakCase& soak_case, std::uint64_t world_seed, const Finding& finding,
                           const FailureOptions& options);
 

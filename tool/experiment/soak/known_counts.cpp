@@ -1,4 +1,4 @@
-// Reading, writing and comparing tests/worlds/known.tsv.
+// Reads, writes and compares tests/worlds/known.tsv.
 // SPDX-License-Identifier: MIT
 #include <sstream>
 

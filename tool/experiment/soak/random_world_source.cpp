@@ -1,4 +1,4 @@
-// The worlds of engine/random_worlds as the soak takes them.
+// Adapts the worlds of engine/random_worlds to the soak.
 // SPDX-License-Identifier: MIT
 #include "engine/random_worlds/random_world.h"
 #include "tool/experiment/soak/soak.h"

@@ -1,4 +1,4 @@
-// Worlds in blocks, over threads; their counts are summed in order.
+// Runs worlds in blocks on threads, and sums their counts in order.
 // SPDX-License-Identifier: MIT
 #include "tool/experiment/soak/soak.h"
 
@@ -27,13 +27,13 @@ double seconds_since(Clock::time_point start) {
   return std::chrono::duration<double>(Clock::now() - start).count();
 }
 
-/// All that one world adds to the counters.
+/// The contribution of one world to the counters.
 struct WorldOutcome {
   bool is_done = false;
   SoakCounters counts;
 };
 
-/// A file that exists while a world is examined: what is left of it names the world that ended the process.
+/// A file that exists while a world is examined. If the process ends, the remaining file names the world.
 class RunningFile {
  public:
   RunningFile(const SoakOptions& options, std::uint64_t index)
@@ -81,7 +81,7 @@ class Soak {
 
   Status read_progress() {
     std::ifstream file(progress_path(), std::ios::binary);
-    if (!file) return {};  // nothing was done yet
+    if (!file) return {};  // no earlier progress
     const std::string text{std::istreambuf_iterator<char>(file), {}};
     Result<SoakCounters> read = parse_progress(text, identity_, progress_path());
     if (!read) return read.error();
@@ -97,18 +97,19 @@ class Soak {
     return file->close();
   }
 
-  /// No world counts any more.
+  /// No further world counts.
   bool is_stopped() const { return is_cancelled_ || counters_.failures.size() >= options_.failure_count_max; }
 
-  /// No world is begun any more.
+  /// No further world begins.
   bool is_over() const { return is_stopped() || (options_.time_s > 0 && seconds_since(start_) >= options_.time_s); }
 
-  /// Worlds done: all of the block, or those before the soak ended. Each is added as soon as all before it are done.
+  /// Returns the number of worlds done: the whole block, or the worlds before the soak ended. A world is added when all
+  /// earlier worlds are done.
   Result<std::uint64_t> run_block(std::uint64_t begin, std::uint64_t end) {
     const std::vector<std::string> wanted = choices_to_measure(options_.worlds, counters_.choices);
     std::vector<WorldOutcome> outcomes(end - begin);
     std::uint64_t done = 0;
-    std::mutex mutex;  // of outcomes, done and the members
+    std::mutex mutex;  // protects outcomes, done and the members
     const Status ran = run_jobs(outcomes.size(), options_.thread_count, [&](std::size_t i) {
       {
         const std::lock_guard lock(mutex);
@@ -161,7 +162,7 @@ class Soak {
       FailedWorld failure = write_failure(world.soak_case, seed, finding, failure_options);
       failure.index = index;
       counts.failures.push_back(std::move(failure));
-      if (counts.failures.size() == 2) break;  // of one world: the others have most likely the same cause
+      if (counts.failures.size() == 2) break;  // further findings of a world most likely have the same cause
     }
     return outcome;
   }

@@ -1,4 +1,4 @@
-// The summary of a soak.
+// Formats the summary of a soak.
 // SPDX-License-Identifier: MIT
 #include "tool/experiment/soak/soak_report.h"
 
@@ -16,11 +16,11 @@ double worlds_per_second(const SoakReport& report) {
   return report.seconds > 0 ? static_cast<double>(report.new_worlds) / report.seconds : 0;
 }
 
-/// Pairs of rows by how many worlds had both.
+/// Pairs of choices by the number of worlds that use both.
 struct PairCoverage {
-  std::uint64_t enough = 0;  // at least pair_count_wanted worlds
+  std::uint64_t enough = 0;  // pairs in at least pair_count_wanted worlds
   std::vector<std::string> rare;
-  std::vector<std::string> never;  // of rows of different tables
+  std::vector<std::string> never;  // pairs of rows in different tables
 };
 constexpr std::uint64_t pair_count_wanted = 5;
 
@@ -166,7 +166,7 @@ std::string soak_text(const SoakOptions& options, const SoakReport& report, cons
   text += checks_text(counters) + caches_text(counters) + choices_text(options, counters);
   text += fmt::format("  time    {:.1f} s for {} worlds, {:.2f} worlds/s\n", report.seconds, report.new_worlds,
                       worlds_per_second(report));
-  if (!is_clean) text += verdict;  // again: many lines are between, and a log may show its end alone
+  if (!is_clean) text += verdict;  // repeated, because many lines come between and a log may only show its end
   return text;
 }
 

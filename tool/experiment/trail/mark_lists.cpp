@@ -1,4 +1,4 @@
-// Marks are matched by name and calling function first: behind one more draw of a generator all values are others.
+// Marks are matched by name and calling function first, because one extra draw of a generator changes all later values.
 // SPDX-License-Identifier: MIT
 #include "tool/experiment/trail/mark_lists.h"
 
@@ -11,12 +11,12 @@
 namespace ticktrue::trail {
 namespace {
 
-constexpr std::size_t resync_length = 4;     // marks in a row that must be the same again
-constexpr std::size_t resync_reach = 4'096;  // marks that may be missing or extra
+constexpr std::size_t resync_length = 4;     // consecutive marks that must match again
+constexpr std::size_t resync_reach = 4'096;  // the largest number of missing or extra marks
 
 using Stack = std::vector<shake::CallSite>;
 
-/// What a mark is recognised by.
+/// The properties that identify a mark.
 struct Shape {
   std::string_view name;
   std::uint32_t caller = 0;
@@ -26,16 +26,16 @@ struct Shape {
   bool operator==(const Shape&) const = default;
 };
 
-/// Numbers for the functions that calls of one name are told apart by.
+/// Distinguishes the callers of marks with one name, by function.
 class Callers {
  public:
-  /// Takes the stacks of a side into account.
+  /// Adds the stacks of one side.
   void add(const MarkSide& side) {
     for (std::size_t i = 0; i < side.of_marks.size(); ++i)
       stacks_[side.list.names[side.list.marks[i].name]].insert({names_in(side.stacks[side.of_marks[i]]), true});
   }
 
-  /// "Shuffle"; empty where nothing is known.
+  /// "Shuffle"; empty if unknown.
   std::string text(const std::string& name, const Stack& stack) const {
     const auto depth = depth_of(name);
     std::string text;
@@ -50,8 +50,8 @@ class Callers {
     return names;
   }
 
-  /// The innermost frame in which the stacks of a name differ: a function that makes all marks of this name says
-  /// nothing. 0 where all stacks are the same.
+  /// The innermost frame in which the stacks of a name differ. A function that makes all marks of a name distinguishes
+  /// nothing. 0 if all stacks are equal.
   std::size_t depth_of(const std::string& name) const {
     const auto found = stacks_.find(name);
     if (found == stacks_.end()) return 0;
@@ -73,7 +73,7 @@ const Stack& stack_at(const MarkSide& side, std::size_t mark) {
 std::vector<Shape> shapes_of(const MarkSide& side, const Callers* callers,
                              std::map<std::string, std::uint32_t>& numbers) {
   std::vector<Shape> shapes;
-  // The text of a caller is made once for each stack of each name.
+  // The text of a caller is made once for each pair of name and stack.
   std::map<std::pair<std::uint32_t, std::uint32_t>, std::uint32_t> known;
   for (std::size_t i = 0; i < side.list.marks.size(); ++i) {
     const replay::Mark& mark = side.list.marks[i];
@@ -91,7 +91,7 @@ std::vector<Shape> shapes_of(const MarkSide& side, const Callers* callers,
   return shapes;
 }
 
-/// Whether the next marks are the same, whatever their values.
+/// Whether the next marks match, regardless of their values.
 bool goes_on(const std::vector<Shape>& a, std::size_t at_a, const std::vector<Shape>& b, std::size_t at_b) {
   if ((at_a >= a.size()) != (at_b >= b.size())) return false;
   for (std::size_t i = 0; i < resync_length; ++i) {
@@ -123,7 +123,7 @@ std::optional<FirstMark> first_difference(const MarkSide& here, const std::vecto
   const std::size_t both = std::min(shapes_here.size(), shapes_there.size());
   while (at < both && shapes_here[at] == shapes_there[at]) ++at;
   const bool ends_here = at == shapes_here.size(), ends_there = at == shapes_there.size();
-  // What lies behind a cut is not known.
+  // Marks after a cut are unknown.
   if ((ends_here && ends_there) || (ends_here && here.list.is_cut) || (ends_there && there.list.is_cut))
     return std::nullopt;
   FirstMark first;

@@ -1,4 +1,4 @@
-// Compares two lists of marks of one tick: the first that differs, and how many calls came from where.
+// Compares two lists of marks of one tick: the first difference, and the number of calls from each function.
 // SPDX-License-Identifier: MIT
 #pragma once
 
@@ -15,14 +15,14 @@ namespace ticktrue::trail {
 /// The marks of one side.
 struct MarkSide {
   replay::MarkList list;
-  /// Functions of the program, the innermost first; none: where the marks were made is not known.
+  /// Functions of the program, innermost first. Empty: the places of the marks are unknown.
   std::vector<std::vector<shake::CallSite>> stacks;
   std::vector<std::uint32_t> of_marks;  // [mark] index in `stacks`
 
   bool has_stacks() const { return !stacks.empty(); }
 };
 
-/// The marks with their stacks as functions.
+/// Converts logged marks, with stacks as functions.
 MarkSide side_of(const replay::LoggedList& logged);
 
 struct MarkPlace {
@@ -42,18 +42,18 @@ struct FirstMark {
   std::optional<MarkPlace> there;
 };
 
-/// Marks of one name that were made in one function.
+/// The marks of one name from one calling function.
 struct CallerCount {
   std::string name;
-  std::string caller;  // "Shuffle", or "draw < Shuffle" where draw makes all marks of this name
+  std::string caller;  // "Shuffle", or "draw < Shuffle" if draw makes all marks of this name
   std::uint64_t here = 0;
-  std::optional<std::uint64_t> there;  // absent: not known
+  std::optional<std::uint64_t> there;  // absent: unknown
 };
 
 struct ListDifference {
-  std::optional<FirstMark> first;    // absent: the lists are the same, as far as they go
-  std::vector<CallerCount> callers;  // that differ; where only one side tells: of the names that differ
-  bool compares_callers = false;     // both sides tell where their marks were made
+  std::optional<FirstMark> first;    // absent: the lists are equal as far as they go
+  std::vector<CallerCount> callers;  // that differ; if only one side has stacks: of names that differ
+  bool compares_callers = false;     // both sides know the functions of their marks
 };
 
 /// Requires: `there` is null or a list.

@@ -1,4 +1,4 @@
-// A side is a program, whose session writes a log, or the trace, which holds marks and sometimes lists.
+// A side is a program whose session writes a log, or the trace, which holds marks and sometimes lists.
 // SPDX-License-Identifier: MIT
 #include "tool/experiment/trail/trail.h"
 
@@ -21,7 +21,7 @@ namespace fs = std::filesystem;
 
 constexpr std::uint64_t log_size_max = std::uint64_t{1} << 30;
 
-/// The marks of ticks. A tick that is not there is not known.
+/// The marks of ticks. A missing tick is unknown.
 using TickMap = std::map<std::uint64_t, std::optional<replay::TickMarks>>;
 
 struct ProgramRun {
@@ -36,7 +36,7 @@ Error refused(const std::string& what, const std::string& hint) {
 Result<Bytes> read_log(const std::string& path) {
   std::error_code failed;
   const std::uintmax_t size = fs::file_size(path, failed);
-  if (failed) return Bytes();  // no session wrote one
+  if (failed) return Bytes();  // no session wrote a log
   if (size > log_size_max)
     return Error{
         ErrorCode::limit,
@@ -46,7 +46,7 @@ Result<Bytes> read_log(const std::string& path) {
   return Bytes(std::istreambuf_iterator<char>(in), {});
 }
 
-/// Runs a program over the trace. `tick`: whose marks are listed.
+/// Runs a program on the trace. `tick`: the tick whose marks are listed.
 Result<ProgramRun> run_program(const TrailOptions& options, const std::vector<std::string>& words,
                                std::optional<std::uint64_t> tick) {
   shake::LaunchOptions launch = options.launch;
@@ -76,7 +76,7 @@ Result<ProgramRun> run_program(const TrailOptions& options, const std::vector<st
                             : "is it a program with a session of libticktrue 0.1.0 or later, that takes --verify?");
 }
 
-/// What the trace holds. `list`: of this tick, where it is stored.
+/// The marks in the trace. `list`: of the requested tick, if stored.
 struct RecordedSide {
   bool has_marks = false;
   TickMap ticks;
@@ -117,7 +117,7 @@ TickMap ticks_of(const replay::MarkLog& log) {
   return ticks;
 }
 
-/// Compares the ticks that both have, up to the first that differs.
+/// Compares the ticks that both sides have, up to the first difference.
 void compare_ticks(const TickMap& here, const TickMap& there, TrailReport& report) {
   for (const auto& [tick, marks] : here) {
     const auto found = there.find(tick);
@@ -129,7 +129,7 @@ void compare_ticks(const TickMap& here, const TickMap& there, TrailReport& repor
   report.verdict = report.marks ? TrailVerdict::differ : TrailVerdict::same;
 }
 
-/// Runs a program again for the list of the tick. Nothing: it made other marks this time.
+/// Runs a program again for the list of the tick. Absent: the program made other marks this time.
 Result<std::optional<MarkSide>> list_of(const TrailOptions& options, const std::vector<std::string>& words,
                                         std::uint64_t tick, const std::optional<replay::TickMarks>& before) {
   const Result<ProgramRun> run = run_program(options, words, tick);
@@ -141,7 +141,7 @@ Result<std::optional<MarkSide>> list_of(const TrailOptions& options, const std::
   return std::optional<MarkSide>(side_of(*run->log.list));
 }
 
-/// Those that were marked more or less often; where there are none, those with other values.
+/// Names that were marked more or less often. Without any, the names with other values.
 std::vector<std::string> names_of(const verifier::MarksDifference& marks) {
   std::vector<std::string> counted, all;
   for (const verifier::NameDifference& name : marks.names) {
@@ -151,7 +151,7 @@ std::vector<std::string> names_of(const verifier::MarksDifference& marks) {
   return counted.empty() ? all : counted;
 }
 
-/// The lists of the tick in which marks differ.
+/// Compares the lists of the tick in which marks differ.
 Status compare_tick_lists(const TrailOptions& options, const TickMap& here, const TickMap& there, TrailReport& report) {
   const std::uint64_t tick = report.marks->tick;
   const auto lost = [&](const std::vector<std::string>& words) {

@@ -1,4 +1,4 @@
-// The call that differs comes first, then what is known of its tick.
+// The text begins with the differing call. Facts about its tick follow.
 // SPDX-License-Identifier: MIT
 #include "tool/experiment/trail/trail_report.h"
 
@@ -35,7 +35,7 @@ std::string there_name(const TrailSubject& subject) {
   return subject.against.empty() ? "recorded" : "there";
 }
 
-/// "0x1b (27)"; of a result of libm the float.
+/// "0x1b (27)"; for a result of libm, the float.
 std::string value_text(const MarkPlace& mark) {
   const bool is_libm = mark.name.compare(0, 5, "libm.") == 0;
   const ScalarType type = !is_libm ? ScalarType::u64 : mark.name.back() == 'f' ? ScalarType::f32 : ScalarType::f64;

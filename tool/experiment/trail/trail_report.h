@@ -1,4 +1,4 @@
-// What a trail prints: text and JSON.
+// The output of a trail as text and JSON.
 // SPDX-License-Identifier: MIT
 #pragma once
 
@@ -11,12 +11,12 @@ namespace ticktrue::trail {
 
 struct TrailSubject {
   std::string trace;
-  std::vector<std::string> words;  // as they were given
-  std::string against;             // program; empty: none
+  std::vector<std::string> words;  // as the user gave them
+  std::string against;             // the other program; empty: none
   std::string calls;
 };
 
-/// 0, 1 or 6.
+/// Exit code 0, 1 or 6.
 int exit_code(const TrailReport& report);
 std::string trail_text(const TrailReport& report, const TrailSubject& subject);
 /// Schema ticktrue.trail/1.

@@ -1,4 +1,4 @@
-// `nm` of binutils gives the source lines of variables, addr2line those of allocations.
+// `nm` of binutils gives the source lines of variables, and addr2line the source lines of allocations.
 // SPDX-License-Identifier: MIT
 #include "tool/experiment/unsaved/things.h"
 
@@ -22,7 +22,7 @@ std::string demangled(const std::string& symbol) {
   const std::unique_ptr<char, decltype(&std::free)> name(abi::__cxa_demangle(symbol.c_str(), nullptr, nullptr, &status),
                                                          &std::free);
   std::string text = status == 0 && name ? name.get() : symbol;
-  // A static of a function in C is `calls.0`.
+  // In C, a static variable of a function has a symbol such as `calls.0`.
   const std::size_t dot = text.rfind('.');
   if (status != 0 && dot != std::string::npos && dot > 0 && dot + 1 < text.size() &&
       text.find_first_not_of("0123456789", dot + 1) == std::string::npos)
@@ -170,7 +170,7 @@ std::vector<Thing> ThingNames::things(const nlohmann::ordered_json& units) {
     return ranks[static_cast<std::size_t>(t.kind)];
   };
   std::stable_sort(things.begin(), things.end(), [&](const Thing& a, const Thing& b) { return rank(a) < rank(b); });
-  // Behind a variable or a block, pointers on the stack say nothing.
+  // Pointers on the stack are dropped if a variable or a block differs, because they only follow from it.
   if (!things.empty() && things.front().kind != ThingKind::stack)
     std::erase_if(things, [](const Thing& t) { return t.kind == ThingKind::stack; });
   return things;

@@ -1,4 +1,4 @@
-// Names of what the session found: variables by their symbols, blocks by the function that allocated them.
+// Names the memory that the session found: variables by symbol, blocks by the allocating function.
 // SPDX-License-Identifier: MIT
 #pragma once
 
@@ -14,9 +14,9 @@ namespace ticktrue::unsaved {
 
 class ThingNames {
  public:
-  /// Of a unit in the log of the session. Requires: the fields of capi/unsaved/probe_log.cpp.
+  /// Names a unit in the log of the session. Requires: the fields of capi/unsaved/probe_log.cpp.
   Thing thing(const nlohmann::ordered_json& unit);
-  /// The things of several units: those of one variable or block are one, and the one to look at stands first.
+  /// Names several units. Units of one variable or block are merged, and the most important thing is first.
   std::vector<Thing> things(const nlohmann::ordered_json& units);
 
  private:
@@ -33,7 +33,7 @@ class ThingNames {
 
 /// Whether both are the same variable, or bytes of the same kind of block.
 bool is_same_place(const Thing& a, const Thing& b);
-/// Widens the bytes of `into`.
+/// Extends the byte range of `into` by that of `from`.
 void merge(Thing& into, const Thing& from);
 
 }  // namespace ticktrue::unsaved

@@ -1,4 +1,4 @@
-// The log of the session becomes findings; what hinders the search becomes an error.
+// Converts the log of the session to findings, or to an error that explains a failed search.
 // SPDX-License-Identifier: MIT
 #include "tool/experiment/unsaved/unsaved.h"
 
@@ -23,7 +23,7 @@ Error refused(const std::string& what, const std::string& hint) {
   return {ErrorCode::usage, what, hint};
 }
 
-/// Null where no session wrote a log that is whole.
+/// Null if no session wrote a complete log.
 nlohmann::ordered_json read_log(const std::string& path) {
   std::error_code failed;
   const std::uintmax_t size = fs::file_size(path, failed);
@@ -44,7 +44,7 @@ std::vector<UnsavedFinding> findings_of(const nlohmann::ordered_json& list, Thin
     finding.window = json.at("window").get<std::uint64_t>();
     for (const nlohmann::ordered_json& column : json.at("columns"))
       finding.columns.push_back(plain_line(column.get<std::string>()));
-    // Parts of one block or variable are one finding.
+    // Parts of one block or variable are merged into one finding.
     const auto same = std::find_if(findings.begin(), findings.end(), [&](const UnsavedFinding& other) {
       return !other.things.empty() && !finding.things.empty() && is_same_place(other.things[0], finding.things[0]);
     });
@@ -63,7 +63,7 @@ std::vector<UnsavedFinding> findings_of(const nlohmann::ordered_json& list, Thin
   return findings;
 }
 
-/// What differs and moves nothing. What lies on the stack, and blocks of which parts move a column, are no news.
+/// Things that differ without an effect. Omits the stack, and blocks or variables of which a part has an effect.
 std::vector<Thing> harmless_of(const nlohmann::ordered_json& units, const std::vector<UnsavedFinding>& findings,
                                ThingNames& names) {
   std::vector<Thing> things = names.things(units);
@@ -81,13 +81,13 @@ std::string find_cause(const UnsavedOptions& options) {
   return options.shake_command + "  # looks for the cause: a clock, random bytes, addresses";
 }
 
-/// A session that refuses because ticks do not repeat themselves gives no hint.
+/// If the session gives no hint, the hint is the command that finds the cause.
 std::string hint_of(const nlohmann::ordered_json& log, const UnsavedOptions& options) {
   const auto hint = log.at("hint").get<std::string>();
   return hint.empty() ? find_cause(options) : hint;
 }
 
-/// Why the run says nothing; empty: it says something.
+/// The reason why the run says nothing, as an error; ok if it says something.
 Status check_run(const UnsavedReport& report, const nlohmann::ordered_json& log, const UnsavedOptions& options) {
   const std::string& program = options.launch.words.front();
   const shake::Outcome& outcome = report.outcome;

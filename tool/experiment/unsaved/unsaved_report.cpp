@@ -1,4 +1,4 @@
-// Each finding is a thing and the column that it moves first.
+// Each finding is a thing and the first column that it moves.
 // SPDX-License-Identifier: MIT
 #include "tool/experiment/unsaved/unsaved_report.h"
 

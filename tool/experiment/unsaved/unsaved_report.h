@@ -1,4 +1,4 @@
-// What `ticktrue unsaved` prints: text and JSON.
+// The output of `ticktrue unsaved` as text and JSON.
 // SPDX-License-Identifier: MIT
 #pragma once
 
@@ -8,7 +8,7 @@
 
 namespace ticktrue::unsaved {
 
-/// 0, 1 or 6.
+/// Exit code 0, 1 or 6.
 int exit_code(const UnsavedReport& report);
 std::string unsaved_text(const UnsavedReport& report, const std::string& trace);
 /// Schema ticktrue.unsaved/1.
