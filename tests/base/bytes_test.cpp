@@ -1,4 +1,4 @@
-// Little-endian encoding: the written bytes are the specified ones, and no reader runs past its end.
+// Little-endian encoding: the written bytes are as specified, and no reader runs past its end.
 // SPDX-License-Identifier: MIT
 #include "base/bytes.h"
 
@@ -83,7 +83,7 @@ TEST_CASE("a failed group reads as zeros", "[base][bytes][corruption]") {
   const Bytes bytes{0xff, 0xff, 0xff};
   ByteReader in(bytes);
   CHECK(in.u32() == 0);
-  CHECK(in.u8() == 0);  // not the 0xff that is there: the position is no longer known
+  CHECK(in.u8() == 0);  // 0, although the next byte is 0xff: the position is unknown
   CHECK_FALSE(in.ok());
 }
 
@@ -147,7 +147,7 @@ TEST_CASE("scalars are reversed one by one", "[base][bytes][analytic]") {
   CHECK(bytes == Bytes{6, 5, 8, 7, 2, 1, 4, 3});
 }
 
-// Quiet ones: where functions return floats in x87 registers (i386), a signalling one becomes quiet on the way.
+// Only quiet NaNs: i386 returns floats in x87 registers, which make a signalling NaN quiet.
 TEST_CASE("float bits survive the round trip, NaN payloads included", "[base][bytes][equivalence]") {
   for (const std::uint32_t bits : {0u, 0x80000000u, 1u, 0x7f7fffffu, 0x7f800000u, 0x7fc00001u, 0xffc00001u})
     CHECK(bits_of(float_of_bits(bits)) == bits);

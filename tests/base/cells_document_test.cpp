@@ -1,4 +1,4 @@
-// Cells as docs/trace_format.md, section 12, has them, written down plainly: the quick ones must give the same.
+// Cells computed directly from docs/trace_format.md, section 12. The fast cells must be equal.
 // SPDX-License-Identifier: MIT
 #include <algorithm>
 
@@ -24,7 +24,7 @@ std::uint64_t chain(std::uint64_t h, const Words& words) {
   return i < words.size() ? mix(h, words[i]) : h;
 }
 
-/// The rows of a state as files have them, whatever the machine's byte order.
+/// The rows of a state in the byte order of files, on any machine.
 struct FileState {
   explicit FileState(const StateView& state) : schema(*state.schema) {
     encode_image(state, image);
@@ -131,7 +131,7 @@ TEST_CASE("cells: one hasher gives the cells of the document for state after sta
     hasher.hash(toy.state(), 0, found);
     CHECK(found == documented_cells(toy.state()));
   };
-  // 500 bodies fill several blocks of rows, 3 not one.
+  // 500 bodies fill several blocks of rows; 3 bodies do not fill one.
   for (const std::uint32_t body_count : {500u, 3u, 40u, 41u}) {
     ToySimulation toy(body_count);
     check(toy, "as made");
@@ -169,7 +169,7 @@ TEST_CASE("cells: of many tables, those that did not change are not hashed again
     small.lane_count = 2;
     small.offset = 8;
     if (t < 3) table.key_column_count = 1;
-    if (t % 10 == 5) id.target = static_cast<std::int16_t>(t % 3);  // rows of others belong to tables 0..2
+    if (t % 10 == 5) id.target = static_cast<std::int16_t>(t % 3);  // rows of other tables refer to tables 0..2
     table.columns = {id, value, small};
     schema.tables.push_back(table);
   }
@@ -185,7 +185,7 @@ TEST_CASE("cells: of many tables, those that did not change are not hashed again
       const std::size_t t = random.below(random.below(3) == 0 ? 6 : table_count);
       std::vector<std::uint32_t>& words = rows[t];
       const std::uint64_t kind = random.below(10);
-      // Some tables grow much: the number of cells changes with them.
+      // Some tables grow by many rows, so that the number of cells changes.
       for (std::uint64_t more = kind == 0 ? random.below(60) : kind < 4 ? 1 : 0; more > 0; --more)
         for (int word = 0; word < 3; ++word)
           words.push_back(word == 0 ? static_cast<std::uint32_t>(words.size()) : static_cast<std::uint32_t>(tick));
@@ -199,7 +199,7 @@ TEST_CASE("cells: of many tables, those that did not change are not hashed again
     hasher.hash(view, 0, found);
     const StateCells expected = documented_cells(view);
     REQUIRE(found == expected);
-    // Tables 0..2 and their owned rows go on together; of the others those that changed were hashed.
+    // Tables 0..2 and their owned rows are always hashed. Of the other tables, only changed ones are hashed.
     if (found.partition_cells == cells_before) CHECK(hasher.hashed_table_count() <= 3 + table_count / 10 + 4);
     cells_before = found.partition_cells;
     StateCells other;
@@ -249,7 +249,7 @@ TEST_CASE("the row kernels of every instruction set give the same", "[base][hash
         const auto* bytes = reinterpret_cast<const std::uint8_t*>(words.data());
         for (const std::size_t size : {std::size_t{0}, word_count, 100 * word_count})
           CHECK(kernels->hash(bytes, size, row_count) == baseline.hash(bytes, size, row_count));
-        // One word matches, wherever it stands.
+        // The mask matches a single word at every position.
         for (std::size_t at = 0; at < word_count; ++at) {
           std::vector<std::uint32_t> mask(word_count), want(word_count, 1);
           mask[at] = 0xffffff00u;

@@ -1,4 +1,4 @@
-// Cells: columns that differ are named, owners that differ are found, and the numbers are those of the documents.
+// Cells: differing columns and owners are found, and the numbers equal those in the documents.
 // SPDX-License-Identifier: MIT
 #include "base/state/cells.h"
 
@@ -24,7 +24,7 @@ std::set<std::size_t> differing_columns(const StateCells& a, const StateCells& b
   return found;
 }
 
-/// Keys of the owners of the bodies table all cells of which differ.
+/// Keys of owners in the bodies table whose cells all differ.
 std::set<std::uint64_t> differing_bodies(const StateView& state, const StateCells& a, const StateCells& b) {
   std::set<std::uint64_t> found;
   CellHasher hasher(*state.schema);
@@ -40,7 +40,7 @@ std::set<std::uint64_t> differing_bodies(const StateView& state, const StateCell
 
 TEST_CASE("cells: every bit of every lane changes the hash of its column and of no other",
           "[base][cells][equivalence]") {
-  const std::uint32_t row_count = 7;  // an odd row has no partner
+  const std::uint32_t row_count = 7;  // an odd number, so that the last row has no partner
   ToySimulation toy(row_count);
   const StateCells before = cells(toy.state());
   const StateSchema& schema = *toy.state().schema;
@@ -97,7 +97,7 @@ TEST_CASE("cells: ids with gaps and out of order find their rows as dense ids do
   for (ToyBody& body : toy.bodies) body.id = body.id * 977 + 5;
   for (ToyLink& link : toy.links) link.body_a = link.body_a * 977 + 5, link.body_b = link.body_b * 977 + 5;
   for (ToyBody& body : toy.bodies) body.partner = no_reference;
-  std::swap(toy.bodies[2], toy.bodies[30]);  // as a broken simulation may have it
+  std::swap(toy.bodies[2], toy.bodies[30]);  // an order that a faulty simulation may produce
   const StateCells before = cells(toy.state());
   toy.links[4].stiffness = 2;
   CHECK(differing_bodies(toy.state(), before, cells(toy.state())) ==
@@ -130,9 +130,10 @@ TEST_CASE("cells: their number grows with the owners and stays bounded", "[base]
 }
 
 TEST_CASE("cells: partitions spread owners evenly and apart from each other", "[base][cells][analytic]") {
-  // 10,000 owners in 24 cells: 416.7 expected, standard deviation 20; six of them are never left by chance.
+  // 10,000 owners in 24 cells: 416.7 are expected per cell, with a standard deviation of 20. Six standard
+  // deviations never occur by chance.
   std::vector<int> counts(partition_count * 24);
-  int together = 0;  // with owner 0, in each of two partitions: expected 10,000 / 576 = 17.4, deviation 4.2
+  int together = 0;  // owners that share both cells with owner 0: expected 10,000 / 576 = 17.4, deviation 4.2
   const auto first = cells_of({1, 0, 0}, 24);
   for (std::uint64_t key = 0; key < 10'000; ++key) {
     const auto at = cells_of({1, 0, key}, 24);
@@ -144,8 +145,8 @@ TEST_CASE("cells: partitions spread owners evenly and apart from each other", "[
 }
 
 TEST_CASE("cells: neighbouring ids are spread like others", "[base][cells][regression]") {
-  // 24 owners in 24 cells leave (23/24)^24 of them empty: 15.36 are taken on average, with a deviation of 1.5 for one
-  // window, 0.15 for the mean of 100.
+  // 24 owners in 24 cells leave (23/24)^24 of the cells empty. On average 15.36 cells are taken, with a deviation of
+  // 1.5 for one window and 0.15 for the mean of 100 windows.
   for (std::size_t p = 0; p < partition_count; ++p) {
     std::size_t taken = 0;
     for (std::uint64_t window = 0; window < 100; ++window) {

@@ -1,4 +1,4 @@
-// What base/float_rules.h cannot see at compile time: contraction, denormals, rounding, excess precision.
+// Float rules that base/float_rules.h cannot check at compile time: contraction, denormals, rounding, excess precision.
 // SPDX-License-Identifier: MIT
 #include "base/float_rules.h"
 
@@ -8,7 +8,7 @@
 namespace ticktrue {
 namespace {
 
-// Volatile, so that nothing is computed by the compiler.
+// Volatile prevents the compiler from computing the result.
 template <typename Real>
 Real multiply_add(Real a, Real b, Real c) {
   volatile Real va = a, vb = b, vc = c;
@@ -17,7 +17,7 @@ Real multiply_add(Real a, Real b, Real c) {
 }
 
 TEST_CASE("a product and a sum round twice, also in one expression", "[base][float_rules][determinism]") {
-  // (1 + e)^2 = 1 + 2e + e^2: rounded, the product loses e^2; a fused multiply-add keeps it.
+  // (1 + e)^2 = 1 + 2e + e^2. A rounded product loses e^2; a fused multiply-add keeps it.
   const float e32 = 0x1p-23f;
   CHECK(bits_of(multiply_add(1 + e32, 1 + e32, -(1 + 2 * e32))) == 0);
   const double e64 = 0x1p-52;

@@ -1,4 +1,4 @@
-// Columns scattered in memory, gathered into packed rows and written back.
+// Gathers scattered columns into packed rows, and writes them back.
 // SPDX-License-Identifier: MIT
 #include "base/state/gathered_state.h"
 
@@ -27,7 +27,7 @@ TEST_CASE("any layout gathers to the same rows as a copy value by value, and sca
     for (std::uint8_t& byte : shared) byte = static_cast<std::uint8_t>(random());
     std::size_t used = 0;
     for (std::size_t c = 0; c < columns.size(); ++c) {
-      const auto type = static_cast<ScalarType>(1 + random() % 6);  // integers: any bits are a value
+      const auto type = static_cast<ScalarType>(1 + random() % 6);  // integer types only: any bits are a valid value
       const std::uint32_t lanes = 1 + random() % 3;
       Values& values = columns[c];
       values.size = scalar_info(type)->size * lanes;

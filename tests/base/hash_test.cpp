@@ -1,4 +1,4 @@
-// The hash gives the published values, so that another implementation can check a trace.
+// The hash equals published values, so that other implementations can check a trace.
 // SPDX-License-Identifier: MIT
 #include "base/hash.h"
 
@@ -19,7 +19,7 @@ TEST_CASE("the hash of nothing is XXH3-64's", "[base][hash][golden]") {
 }
 
 TEST_CASE("the hash of short, medium and long inputs does not change", "[base][hash][golden]") {
-  // XXH3 takes another path for 1..3, 4..8, 9..16, 17..128, 129..240 and more bytes: one value of each.
+  // XXH3 uses separate code for 1..3, 4..8, 9..16, 17..128, 129..240 and more bytes. One value tests each.
   Bytes bytes;
   for (int i = 0; i < 5000; ++i) bytes.push_back(static_cast<std::uint8_t>(i * 31 + (i >> 8)));
   const struct {

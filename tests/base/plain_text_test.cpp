@@ -1,4 +1,4 @@
-// Text from outside cannot steer a terminal or a runner, and stays what it was where it does neither.
+// Text from outside cannot control a terminal or a runner. Harmless text stays unchanged.
 // SPDX-License-Identifier: MIT
 #include "base/plain_text.h"
 
@@ -37,7 +37,7 @@ TEST_CASE("bytes that are no UTF-8 become the replacement character", "[base][pl
   CHECK(plain_text("\xe0\x80\xaf") == mark);                // overlong
   CHECK(plain_text("\xed\xa0\x80") == mark);                // a surrogate
   CHECK(plain_text("\xf4\x90\x80\x80") == mark);            // beyond U+10FFFF
-  CHECK(plain_text("\xe2\x1b[2J") == mark + "\\u001b[2J");  // bytes behind a cut character are escaped, too
+  CHECK(plain_text("\xe2\x1b[2J") == mark + "\\u001b[2J");  // bytes after a truncated character are escaped as well
 }
 
 TEST_CASE("no line begins a workflow command, and none holds the older form", "[base][plain_text][analytic]") {

@@ -15,7 +15,7 @@ namespace {
 
 constexpr SchemaLayout third = SchemaLayout::third;
 
-/// Appends a column behind those of its class.
+/// Appends a column after the columns of its class.
 Column& add(TableSchema& table, const std::string& name, ScalarType type, bool is_shown = false,
             std::uint8_t lane_count = 1) {
   Column column;
@@ -49,7 +49,7 @@ TableSchema& add_child(StateSchema& schema, const std::string& name, TableForm f
   return child;
 }
 
-/// A schema with every feature. A table that is only shown stands before the judged ones.
+/// A schema with every feature. A shown table precedes the judged tables.
 StateSchema sample() {
   StateSchema schema;
   TableSchema& sparks = add_table(schema, "sparks");
@@ -79,7 +79,7 @@ Bytes written(const StateSchema& schema) {
   return out.take();
 }
 
-/// A schema with the judged columns alone has the layout of versions 1 and 2.
+/// A schema with judged columns only, which has the layout of versions 1 and 2.
 StateSchema wide(std::size_t table_count, std::size_t column_count) {
   StateSchema schema;
   for (std::size_t t = 0; t < table_count; ++t) {
@@ -198,7 +198,7 @@ TEST_CASE("a schema that contradicts itself is refused with the place", "[base][
       {"has the u32 columns owner, index, size and bytes",
        [](StateSchema& s) { s.tables[2].columns[2].name = "length"; }},
       {"a judged column stands behind a shown one", [](StateSchema& s) { add(s.tables[1], "late", ScalarType::u8); }},
-      // A child has two key columns, so that nothing refers to it: no cycle goes through children.
+      // A child has two key columns, so nothing can refer to a child. Cycles of children are therefore impossible.
       {"to a table with one u32 key", [](StateSchema& s) { add(s.tables[3], "of", ScalarType::u32).target = 2; }},
       {"a key column must be one unsigned integer", [](StateSchema& s) { s.tables[1].key_column_count = 2; }},
       {"key columns must all be judged, or all be shown",

@@ -1,5 +1,5 @@
-// State as columns: every lane counts in the hash, images come back bit for bit, bad images are refused, differences
-// are named exactly.
+// State as columns: every lane is part of the hash, and images restore equal bits. Bad images are refused, and
+// differences are named exactly.
 // SPDX-License-Identifier: MIT
 #include "base/state/state_view.h"
 
@@ -110,7 +110,7 @@ Bytes changed(Bytes image, std::size_t offset, std::initializer_list<int> bytes)
   return image;
 }
 
-// Bytes from the start of the image to the first row of each table.
+// Offsets from the start of the image to the first row of each table, in bytes.
 constexpr std::size_t bodies_at = 4;
 constexpr std::size_t contacts_at = 4 + 3 * 23 + 4;
 
@@ -130,12 +130,12 @@ TEST_CASE("a state comes back from its image bit for bit", "[base][state_view][e
   Bytes again;
   encode_image(state.view(), again);
   CHECK(again == image);
-  encode_image(state.view(), again);  // into a buffer in use
+  encode_image(state.view(), again);  // into a used buffer
   CHECK(again == image);
 }
 
 TEST_CASE("the root hash is the documented one", "[base][state_view][golden]") {
-  // Spelled out here from docs/trace_format.md, "Root hash", so that the format cannot move unseen.
+  // Follows docs/trace_format.md, "Root hash", so that the format cannot change unnoticed.
   const StateSchema schema = sample_schema();
   const Bytes image = sample_image();
   const auto hash_text = [](std::string_view text) {
@@ -288,7 +288,7 @@ TEST_CASE("two equal names are found wherever they stand, and the first pair is 
       const std::size_t from = random(schema.tables.size());
       schema.tables[random(schema.tables.size())].name = schema.tables[from].name;
     }
-    // All pairs, as a reference.
+    // Compares all pairs, as a reference.
     std::string expected;
     for (std::size_t t = 0; t < schema.tables.size() && expected.empty(); ++t)
       for (std::size_t before = t; before-- > 0;)
@@ -322,7 +322,7 @@ TEST_CASE("values out of their range are refused at their place", "[base][state_
   using Catch::Matchers::Contains;
   const StateSchema schema = sample_schema();
   const Bytes image = sample_image();
-  // A body's type beyond its range, a contact's age below it.
+  // The type of a body is above its range; the age of a contact is below its range.
   CHECK_THAT(refusal(schema, changed(image, bodies_at + 23 + 20, {3})), Contains("bodies[1].type") && Contains("0..2"));
   CHECK_THAT(refusal(schema, changed(image, contacts_at + 8, {0xfa, 0xff, 0xff, 0xff})),
              Contains("contacts[0].age") && Contains("-6"));
@@ -375,7 +375,7 @@ TEST_CASE("the first non-finite lane is found, in table, row and column order", 
     REQUIRE(place);
     CHECK(*place == c.place);
   }
-  // Two of them, and opposite infinities that would cancel in a sum.
+  // Two values, and opposite infinities, which would cancel in a sum.
   Bytes two = changed(sample_image(), bodies_at + 23 + 4, {0, 0, 0x80, 0x7f});
   two = changed(two, bodies_at + 46 + 4, {0, 0, 0x80, 0xff});
   CHECK(find_non_finite(state_of(schema, two).view()) == StatePlace{0, 1, 1, 0});
@@ -383,12 +383,12 @@ TEST_CASE("the first non-finite lane is found, in table, row and column order", 
 
 TEST_CASE("a lane that is not finite is found in rows of every width", "[base][state_view][equivalence]") {
   for (const ScalarType type : {ScalarType::f32, ScalarType::f64})
-    for (const std::size_t lane_count : {1u, 2u, 4u, 31u, 32u, 33u, 63u, 64u, 65u, 200u}) {  // 64 words are few
+    for (const std::size_t lane_count : {1u, 2u, 4u, 31u, 32u, 33u, 63u, 64u, 65u, 200u}) {  // 64 words fit in place
       const std::size_t size = type == ScalarType::f32 ? 4 : 8;
       StateSchema schema;
       TableSchema& table = schema.tables.emplace_back();
       table.name = "wide";
-      table.row_size = static_cast<std::uint32_t>(4 + lane_count * size);  // an id that looks like NaN stands before
+      table.row_size = static_cast<std::uint32_t>(4 + lane_count * size);  // first, an id that looks like a NaN
       table.columns.push_back({"id", ScalarType::u32, 1, 0});
       for (std::size_t lane = 0; lane < lane_count; ++lane)
         table.columns.push_back({"x" + std::to_string(lane), type, 1, static_cast<std::uint16_t>(4 + lane * size)});
@@ -412,7 +412,7 @@ TEST_CASE("a lane that is not finite is found in rows of every width", "[base][s
 
 TEST_CASE("large finite values are not taken for infinite", "[base][state_view][analytic]") {
   Bytes image = sample_image();
-  for (const std::size_t row : {0u, 1u, 2u})  // FLT_MAX and DBL_MAX in each row: their sums overflow
+  for (const std::size_t row : {0u, 1u, 2u})  // FLT_MAX and DBL_MAX in each row: sums of them overflow
     image = changed(changed(image, bodies_at + row * 23 + 4, {0xff, 0xff, 0x7f, 0x7f}), bodies_at + row * 23 + 12,
                     {0xff, 0xff, 0xff, 0xff, 0xff, 0xff, 0xef, 0x7f});
   CHECK_FALSE(find_non_finite(state_of(sample_schema(), image).view()));
@@ -428,7 +428,7 @@ TEST_CASE("a changed lane is the one difference, wherever it is", "[base][state_
     for (std::size_t row = 0; row < (*before)[t].row_count; ++row)
       for (std::size_t c = 0; c < table.columns.size(); ++c)
         for (std::size_t lane = 0; lane < table.columns[c].lane_count; ++lane) {
-          if (c < table.key_column_count) continue;  // a changed key is another row
+          if (c < table.key_column_count) continue;  // a changed key would be another row
           const std::size_t size = scalar_info(table.columns[c].type)->size;
           const std::size_t first_row = t == 0 ? bodies_at : contacts_at;
           Bytes other = image;

@@ -1,4 +1,5 @@
-// Workers do each chunk once, whatever the threads; ranges are cut as said; threads with other arithmetic are refused.
+// Workers run each chunk once with any number of threads. Ranges are split as documented. Threads with different
+// arithmetic are refused.
 // SPDX-License-Identifier: MIT
 #include "base/parallel/workers.h"
 
@@ -75,9 +76,9 @@ TEST_CASE("threads that fell asleep between runs come again", "[base][workers]")
     pass(std::chrono::microseconds(20));
   };
   for (int pause = 0; pause < 20; ++pause) {
-    pass(std::chrono::milliseconds(2));  // long enough for a thread without work to sleep
+    pass(std::chrono::milliseconds(2));  // long enough for an idle thread to sleep
     others_came.store(false);
-    // However busy the machine is: some run of many finds the other thread awake.
+    // The other thread is awake in at least one of many runs, even on a busy machine.
     for (int run = 0; run < 20'000 && !others_came.load(); ++run) Parallel{workers.get()}.for_chunks(16, 1, work);
     CAPTURE(pause);
     REQUIRE(others_came.load());
@@ -106,7 +107,7 @@ TEST_CASE("ranges that are too short for two threads are one chunk", "[base][wor
     unsigned width() const override { return 2; }
   } runner;
   Parallel parallel;
-  CHECK(parallel.chunk_size(1000, 10) == 1000);  // nobody to share with
+  CHECK(parallel.chunk_size(1000, 10) == 1000);  // no thread to share with
   CHECK(parallel.chunk_count_max(1000) == 1);
   parallel.runner = &runner;
   CHECK(parallel.chunk_size(0, 10) == 1);
