@@ -1,7 +1,7 @@
 // What the programs of the gallery share: eight units on a line, whose whole state is recorded or verified.
 // SPDX-License-Identifier: MIT
 //
-// Each program is one file with one real mistake. Told `mended`, it does the same thing without the mistake.
+// Each program is one file with one real mistake. With the argument `mended`, it does the same without the mistake.
 // docs/causes.md explains them; tests/causes/causes_test.py runs `ticktrue shake` over all of them.
 #pragma once
 
@@ -26,7 +26,7 @@ struct Game {
   Unit units[unit_count];
 };
 
-/// Opens a session, runs the rules once a tick and gives the exit code. `rules(game, tick, is_mended)`.
+/// Opens a session, runs `rules(game, tick, is_mended)` once per tick and returns the exit code.
 template <typename Rules>
 int play(const char* name, int argc, char** argv, Rules&& rules) {
   bool is_mended = false;
@@ -39,7 +39,7 @@ int play(const char* name, int argc, char** argv, Rules&& rules) {
   ticktrue_session* session = ticktrue_open_arguments(&options, argc, argv);
   Game game;
   for (std::uint32_t i = 0; i < unit_count; ++i) {
-    // Kept apart from the sums: a compiler must not round both at once.
+    // Stored before the sums, so that no compiler can round a product and a sum at once.
     const volatile double position = 0.7 * i;
     const volatile double velocity = 0.1 * i;
     game.units[i].position = 1.5 + position;

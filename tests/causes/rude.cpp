@@ -18,14 +18,14 @@ void misbehave() {
   while (std::strcmp(way, "hang") == 0) pause();
   if (std::strcmp(way, "close") == 0)
     for (int descriptor = 0; descriptor < 256; ++descriptor)
-      if (descriptor < 3 || descriptor >= 16) close(descriptor);  // those between are of the session
+      if (descriptor < 3 || descriptor >= 16) close(descriptor);  // descriptors 3 to 15 belong to the session
   if (std::strcmp(way, "escape") == 0) {
     const pid_t child = fork();
     if (child == 0) {
       setsid();
       for (;;) pause();
     }
-    while (child > 0 && getsid(child) != child) usleep(100);  // until it has left the group
+    while (child > 0 && getsid(child) != child) usleep(100);  // until the child has left the process group
   }
   if (std::strcmp(way, "print") == 0) {
     const std::vector<char> line(1 << 20, 'x');

@@ -18,11 +18,11 @@ struct World {
   const char* rule = "";
 };
 
-/// The mistakes: each adds its value to a score.
+/// The mistakes. Each adds its value to a score.
 std::int64_t garbage() {
-  // So large that it never was memory of the tool, whose leftovers would follow from all that the tool does.
+  // A block this large was never memory of the tool, whose old contents would depend on all that the tool does.
   auto* block = static_cast<volatile std::uint8_t*>(std::malloc(1u << 20));
-  const std::int64_t value = block[40];  // nobody wrote it
+  const std::int64_t value = block[40];  // never written
   std::free(const_cast<std::uint8_t*>(block));
   return value;
 }

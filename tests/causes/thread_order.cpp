@@ -25,8 +25,8 @@ void rules(gallery::Game& game, std::uint64_t tick, bool is_mended) {
       const std::lock_guard<std::mutex> guard(lock);
       arrived.push_back(i);
     });
-    // The next thread begins when this one is done, or after about 27 ms: a loaded machine seldom takes as long, and
-    // thread_start waits for up to 50 ms.
+    // The next thread starts after this one is done, or after about 27 ms. A loaded machine seldom takes
+    // that long, and thread_start waits for up to 50 ms.
     for (int wait = 0; wait < 25 && !has_arrived(i); ++wait) std::this_thread::sleep_for(std::chrono::milliseconds(1));
   }
   for (std::thread& thread : threads) thread.join();

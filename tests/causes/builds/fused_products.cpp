@@ -9,7 +9,7 @@ __attribute__((noinline)) void pull(gallery::Unit& unit) {
   unit.velocity = unit.velocity * 0.999 + unit.position * -0.01;
 }
 
-/// The same with products that are stored before anything is added.
+/// The same spring, but the products are stored before the sum.
 __attribute__((noinline)) void pull_in_steps(gallery::Unit& unit) {
   const volatile double kept = unit.velocity * 0.999;
   const volatile double added = unit.position * -0.01;

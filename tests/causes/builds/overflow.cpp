@@ -6,7 +6,7 @@
 
 namespace {
 
-/// Whether one more is more: "yes" for an optimiser.
+/// Whether the next value is larger. An optimiser may assume that it always is.
 __attribute__((noinline)) bool grows(int value, bool is_mended) {
   if (is_mended) return value != INT_MAX;
   const int next = value + 1;

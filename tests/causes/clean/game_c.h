@@ -13,7 +13,7 @@ struct unit {
   int64_t score;
 };
 
-/// Opens a session, runs the rules once a tick and gives the exit code.
+/// Opens a session, runs the rules once per tick and returns the exit code.
 static int play(const char* name, int argc, char** argv, void (*rules)(struct unit* units, uint64_t tick)) {
   ticktrue_options options = {0};
   options.struct_size = sizeof options;

@@ -10,7 +10,7 @@ namespace {
 void rules(gallery::Game& game, std::uint64_t tick, bool is_mended) {
   if (tick < 16) return;
   for (gallery::Unit& unit : game.units) {
-    // Many angles, so that some are among those where libraries differ.
+    // Some of these many angles have different results in different libraries.
     for (int i = 0; i < 200; ++i) {
       const double angle = unit.position * (3 + i) + static_cast<double>(tick);
       unit.velocity += is_mended ? ticktrue_sin(angle) : std::sin(angle);

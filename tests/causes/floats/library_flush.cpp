@@ -12,7 +12,7 @@ namespace {
 
 void set_own_floats() {
 #ifdef __SSE2__
-  _mm_setcsr(0x1f80);  // as a process begins
+  _mm_setcsr(0x1f80);  // the default of a new process
 #endif
 }
 

@@ -13,7 +13,7 @@
 
 namespace {
 
-/// Files "unit_A" to "unit_H", as an installation would have them.
+/// Makes files "unit_A" to "unit_H", like an installation.
 std::string make_assets() {
   std::string folder = "/tmp/ticktrue-assets-XXXXXX";
   if (mkdtemp(folder.data()) == nullptr) return "/";

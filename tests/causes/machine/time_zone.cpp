@@ -7,7 +7,7 @@
 namespace {
 
 void rules(gallery::Game& game, std::uint64_t tick, bool is_mended) {
-  const std::time_t time = 1'700'000'000 + static_cast<std::time_t>(600 * tick);  // of the game
+  const std::time_t time = 1'700'000'000 + static_cast<std::time_t>(600 * tick);  // recorded time of the game
   std::tm parts{};
   if (is_mended)
     gmtime_r(&time, &parts);

@@ -6,7 +6,7 @@
 
 namespace {
 
-/// As vector code does it: single values up to an aligned address, then four sums side by side.
+/// Sums like vector code: single values up to an aligned address, then four sums side by side.
 double sum_of(const float* values, std::size_t count, bool is_mended) {
   std::size_t i = 0;
   float single = 0;

@@ -19,7 +19,7 @@ void rules(gallery::Game& game, std::uint64_t tick, bool is_mended) {
   }
   const std::uint64_t last = is_mended ? 20 : 21;
   if (tick >= 10 && tick <= last) {
-    // The compiler need not know that the block may be gone.
+    // Volatile hides from the compiler that the block may be freed.
     const volatile Target* seen = target;
     game.units[2].score += seen->health;
   }
