@@ -1,23 +1,22 @@
 // Runs the tool itself on the cases of tests/cli/cases, and compares its help with docs/cli.md.
 // SPDX-License-Identifier: MIT
 //
-// Each case runs in a fresh directory. A case file holds cases, each of these lines:
-//   === the sentence that is proven          begins a case
-//   << NAME                                  a file of the directory: the lines up to `>>`
-//   $ COMMAND                                run by sh, `ticktrue` being the tool (and `inject_fault` that of
-//   tests/page);
-//                                            what follows is about it
-//   $^ COMMAND                               the same, and the command before must have printed this one
-//   exit N                                   exit code (default 0)
-//   stdout: TEXT      stderr: TEXT           a piece of it
-//   stdout!: TEXT     stderr!: TEXT          no piece of it
+// Each case runs in a fresh directory. A case file holds cases, each made of these lines:
+//   === SENTENCE                            begins a case; the case proves the sentence
+//   << NAME                                 a file of the directory; its lines end with `>>`
+//   $ COMMAND                               run by sh; `ticktrue` is the tool, `inject_fault` that of tests/page;
+//                                           the following checks are about this command
+//   $^ COMMAND                              the same; the previous command must have printed this command
+//   exit N                                  exit code (default 0)
+//   stdout: TEXT      stderr: TEXT          the output contains the text
+//   stdout!: TEXT     stderr!: TEXT         the output does not contain the text
 //   stdout empty      stderr empty
-//   stderr errors N                          so many lines begin with `ticktrue: error: `
-//   file NAME         no file NAME           is there, is not there, when the command has ended
-// Lines of blanks and lines beginning with # count for nothing.
+//   stderr errors N                         N lines begin with `ticktrue: error: `
+//   file NAME         no file NAME          the file exists, or does not exist, after the command
+// Blank lines and lines that begin with # are ignored.
 //
-// TICKTRUE_UPDATE_DOCS=1 ticktrue_tests "[cli][docs]" writes the help texts of docs/cli.md again, and "[cli][describe]"
-// tests/cli/describe.expected.
+// TICKTRUE_UPDATE_DOCS=1 ticktrue_tests "[cli][docs]" rewrites the help texts of docs/cli.md, and "[cli][describe]"
+// rewrites tests/cli/describe.expected.
 #include <sys/wait.h>
 
 #include <algorithm>
@@ -54,7 +53,7 @@ void write_file(const fs::path& path, const std::string& text) {
   out << text;
 }
 
-/// A directory of its own for each case, with the tool in bin/.
+/// A new directory for each case, with the tool in bin/.
 class CaseDirectory {
  public:
   CaseDirectory() {
@@ -95,15 +94,15 @@ class CaseDirectory {
 };
 
 struct Check {
-  std::string text;  // the line of the case file
+  std::string text;  // line of the case file
   std::string kind;
   std::string value;
 };
 struct Step {
-  std::vector<std::pair<std::string, std::string>> files;  // name, content: made before the command runs
+  std::vector<std::pair<std::string, std::string>> files;  // name, content: written before the command runs
   std::string command;
   std::vector<Check> checks;
-  bool was_printed = false;  // by the step before
+  bool was_printed = false;  // the previous step must have printed the command
 };
 struct Case {
   std::string place;  // file:line
@@ -181,7 +180,7 @@ bool holds(const Check& check, const CaseDirectory::Outcome& outcome, const fs::
 
 void run_case(const Case& one) {
   const CaseDirectory directory;
-  std::string printed;  // by the step before
+  std::string printed;  // by the previous step
   for (const Step& step : one.steps) {
     for (const auto& [name, content] : step.files) write_file(directory.work() / name, content);
     if (step.was_printed) {
@@ -286,7 +285,7 @@ TEST_CASE("more shapes in one place than a tick can look at are told, and what c
   run_cases("crowds.case");
 }
 TEST_CASE("ten scenes are described word for word", "[cli][describe][golden]") {
-  // describe.expected: files as in cases, and after each line "$ COMMAND" what it prints.
+  // describe.expected has files as in cases. The output of a command follows its line "$ COMMAND".
   const fs::path path = root / "tests/cli/describe.expected";
   const std::string text = read_file(path);
   const CaseDirectory directory;
@@ -328,7 +327,7 @@ TEST_CASE("the examples of each help work in order, in an empty directory", "[cl
   int run_count = 0;
   for (std::string line; std::getline(in, line);) {
     const std::string begin = "```text ticktrue ";
-    // Those need no file and take their time.
+    // These commands need no file and take long.
     const bool is_long = contains(line, "crosscheck") || contains(line, "accuracy") || contains(line, "stress");
     if (line.compare(0, begin.size(), begin) != 0 || is_long) continue;
     const CaseDirectory directory;
@@ -368,7 +367,7 @@ TEST_CASE("docs/cli.md shows the help texts of the tool word for word", "[cli][d
   }
   if (std::getenv("TICKTRUE_UPDATE_DOCS") != nullptr && updated != text) write_file(path, updated);
 
-  // Every subcommand that the top level lists has its block.
+  // Every subcommand that the top-level help lists has its block.
   std::istringstream top(help_of(""));
   bool in_group = false;
   int listed_count = 0;

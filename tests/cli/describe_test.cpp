@@ -1,4 +1,4 @@
-// What the ten descriptions must say, whoever rewrites them: a scene has no part that it does not need.
+// Required content of the ten descriptions. A description of a scene names no part that the scene lacks.
 // SPDX-License-Identifier: MIT
 #include <fstream>
 #include <sstream>

@@ -1,7 +1,8 @@
-// docs/experiments.md shows what its commands print: those that are the same everywhere and take seconds.
+// docs/experiments.md shows the output of its commands. Tested are commands whose output is equal everywhere and takes
+// seconds.
 // SPDX-License-Identifier: MIT
 //
-// ./dev experiments writes all of them again, ./dev experiments --check compares those that are the same everywhere.
+// ./dev experiments rewrites every output. ./dev experiments --check compares the outputs that are equal everywhere.
 #include <cstdlib>
 #include <filesystem>
 #include <string>

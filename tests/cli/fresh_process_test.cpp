@@ -1,9 +1,9 @@
-// States that one process saves are loaded by another, which runs on with the same bits: for every golden scene.
+// A process loads states that another process saved, and continues with equal bits: for every golden scene.
 // SPDX-License-Identifier: MIT
 //
-// This process runs the session of a golden trace and writes a trace of its own, with checkpoints at random ticks: the
-// saved states. `verify --mode restore --to-end` is a process of its own that loads each of them into a simulation just
-// made, runs on to the end of the session, and compares every tick with what was recorded here.
+// This process runs the session of a golden trace, and records a trace with checkpoints at random ticks. `verify --mode
+// restore --to-end` runs in another process. It loads each checkpoint into a new simulation, runs to the end of the
+// session, and compares every tick with the recording.
 #include <cstdlib>
 #include <filesystem>
 #include <set>
@@ -24,14 +24,14 @@ namespace fs = std::filesystem;
 namespace ticktrue::test {
 namespace {
 
-/// Some of 0 .. end - 1, and always 0: a trace begins with a checkpoint.
+/// Some of the ticks 0 .. end - 1. Always includes 0, because a trace begins with a checkpoint.
 std::set<std::uint64_t> random_ticks(std::uint64_t end, std::size_t count, Random& random) {
   std::set<std::uint64_t> ticks{0};
   while (ticks.size() < count && ticks.size() < end) ticks.insert(random.below(end));
   return ticks;
 }
 
-/// Runs the session of the golden trace at `from` again, saving its state at these ticks.
+/// Runs the session of the golden trace at `from` again, with checkpoints at these ticks.
 void record_with_checkpoints(const std::string& from, const std::string& to, std::size_t checkpoint_count,
                              Random& random) {
   auto reader = replay::TraceReader::open(from);
@@ -66,12 +66,12 @@ void record_with_checkpoints(const std::string& from, const std::string& to, std
   REQUIRE(writer->finish(replay::EndReason::complete, "").has_value());
 }
 
-/// Whether the tool says 0.
+/// Whether the tool exits with 0.
 bool runs(const std::string& arguments) {
   return std::system((std::string("'") + TICKTRUE_TOOL + "' " + arguments + " > /dev/null 2>&1").c_str()) == 0;
 }
 
-/// Every `stride`-th golden, at this many ticks.
+/// Checks every `stride`-th golden trace, with this many checkpoints.
 void check_goldens(std::size_t stride, std::size_t checkpoint_count) {
   const fs::path place = fs::temp_directory_path() / ("ticktrue_fresh_process_" + std::to_string(stride));
   fs::create_directories(place);

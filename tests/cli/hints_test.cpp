@@ -1,4 +1,4 @@
-// Each message of the sources that prints a command is provoked, and its command run.
+// Provokes each message in the sources that prints a command, and runs the command.
 // SPDX-License-Identifier: MIT
 #include <algorithm>
 #include <filesystem>
@@ -27,10 +27,10 @@ std::string text_of(const fs::path& path) {
 
 struct SourceHint {
   std::string place;
-  std::string text;  // from "ticktrue" to the end of the literal, or of the words that belong to the command
+  std::string text;  // from "ticktrue" to the end of the literal or of the command
 };
 
-/// The command in a literal. It ends at a backtick, a comma, a semicolon or words of English.
+/// The command in a literal. The command ends at a backtick, a comma, a semicolon or English words.
 std::string command_part(const std::string& literal, std::size_t at) {
   std::string text = literal.substr(at);
   for (const char* end : {"`", ",", ";", " here", " lists", " shows", " tells", " says", " makes", "\\n"})
@@ -38,9 +38,9 @@ std::string command_part(const std::string& literal, std::size_t at) {
   return text;
 }
 
-/// Literals with "ticktrue SUBCOMMAND" in them, or that go on behind the tool's name with a subcommand. Examples of
-/// help texts and descriptions are tested where they are printed: whole statements of set_examples and add_subcommand,
-/// and raw strings, are left out.
+/// Literals that contain "ticktrue SUBCOMMAND", or that continue after the tool's name with a subcommand. Examples in
+/// help texts and descriptions are tested where they are printed. Statements of set_examples and add_subcommand, and
+/// raw strings, are therefore skipped.
 std::vector<SourceHint> hints_of(const fs::path& path) {
   std::vector<SourceHint> hints;
   static const std::regex literal(R"re("((?:[^"\\]|\\.)*)")re");
@@ -69,7 +69,8 @@ std::vector<SourceHint> hints_of(const fs::path& path) {
   return hints;
 }
 
-/// Literals that are no command of a message, or whose command is run elsewhere: file, how the literal begins, why.
+/// Literals that are not a command of a message, or whose command runs in another test: file, beginning of the literal,
+/// reason.
 struct Elsewhere {
   const char* file;
   const char* beginning;

@@ -1,4 +1,4 @@
-// A scene, a trace and a file name full of control bytes and workflow commands go through the commands that show them.
+// Control bytes and workflow commands in a scene, a trace and a file name pass through every command that shows them.
 // SPDX-License-Identifier: MIT
 #include <fcntl.h>
 #include <sys/wait.h>
@@ -18,11 +18,11 @@
 namespace ticktrue::test {
 namespace {
 
-// No slash: it is part of a file name, too. The last byte is no UTF-8.
+// Without a slash, because the text is also part of a file name. The last byte is not UTF-8.
 const std::string hostile =
     "\x1b[31m\n::error::x\r  ##[error]y\x07\x7f\xc2\x9b"
     "2J\xe2\x80\xae\n::warning::z<script>&#10;\xff";
-// A text that a scene may hold: scenes refuse C0 characters.
+// A text that a scene accepts, because scenes refuse C0 characters.
 const std::string hostile_name =
     "::error::x ##[error]y\xc2\x9b"
     "2J\xe2\x80\xae</script>";
@@ -34,7 +34,7 @@ std::string file_text(const std::string& path) {
   return text.str();
 }
 
-/// Both streams of the tool.
+/// The output of both streams of the tool.
 std::string output_of(std::vector<std::string> words, const TemporaryFolder& folder) {
   const std::string messages = folder.file("messages");
   words.insert(words.begin(), TICKTRUE_TOOL);
@@ -57,7 +57,7 @@ std::string output_of(std::vector<std::string> words, const TemporaryFolder& fol
   return file_text(messages);
 }
 
-/// The first thing in `text` that would steer a terminal or a runner; empty if there is none.
+/// The first line of `text` that could control a terminal or a runner; empty if none can.
 std::string first_fault(const std::string& text, bool has_annotations) {
   std::istringstream lines(text);
   for (std::string line; std::getline(lines, line);) {
@@ -69,7 +69,7 @@ std::string first_fault(const std::string& text, bool has_annotations) {
   return "";
 }
 
-/// A scene with the text as its name and as that of every body.
+/// A scene with the text as its name and as the name of every body.
 std::string hostile_scene(const std::string& text) {
   Result<engine::Scene> scene = engine::make_builtin_scene("stack?boxes=2");
   REQUIRE(scene);
@@ -133,7 +133,7 @@ TEST_CASE("nothing of a scene, a trace or a file name steers what shows it, in a
     CHECK(first_fault(text, words.size() > 2 && words[2] == "--github") == "");
     for (const char* end : {".xml", ".jsonl"}) CHECK(first_fault(file_text(saved + end), false) == "");
   }
-  // The page has lines of its own that begin with `::`, in its style sheet.
+  // The style sheet of the page has lines that begin with `::`.
   const std::string html = file_text(page);
   REQUIRE(!html.empty());
   CHECK(std::none_of(html.begin(), html.end(), [](char c) {

@@ -1,8 +1,9 @@
-// A recording that is killed, meets a full disk or a place it may not write to: told plainly, earlier ticks safe.
+// A killed recording, a full disk and a read-only folder: each is reported plainly, and earlier ticks are safe.
 // SPDX-License-Identifier: MIT
 //
-// Verified: every input and hash before a kill or a full disk is the one of an undisturbed recording, the inputs of the
-// tick in flight included. Not verified: loss of power (the operating system keeps what it was handed).
+// Verified: every input and hash before a kill or a full disk equals that of an undisturbed recording, including the
+// inputs of the current tick.
+// Not verified: loss of power (the operating system keeps data that was written).
 #include <sys/resource.h>
 #include <sys/stat.h>
 
@@ -15,7 +16,7 @@
 namespace ticktrue::test {
 namespace {
 
-/// Inputs for `tick_count` ticks: something to lose in every third of them.
+/// Inputs for `tick_count` ticks. Every third tick has an input that could be lost.
 void write_inputs(const std::string& path, std::uint64_t tick_count) {
   std::ofstream out(path);
   for (std::uint64_t tick = 1; tick < tick_count; tick += 3)
@@ -24,7 +25,7 @@ void write_inputs(const std::string& path, std::uint64_t tick_count) {
       << "\n";
 }
 
-/// Checks that the rest holds ticks of the undisturbed recording, and the inputs of the next tick.
+/// Checks that the partial recording holds ticks of the undisturbed recording, and the inputs of the next tick.
 void require_part_of(const ReadTrace& part, const ReadTrace& whole) {
   REQUIRE(part.ticks.size() <= whole.ticks.size());
   for (std::size_t i = 0; i < part.ticks.size(); ++i) REQUIRE(part.ticks[i] == whole.ticks[i]);
@@ -73,7 +74,7 @@ TEST_CASE("a recording killed at any moment keeps every earlier input and hash",
     CAPTURE(round, size);
     ::unlink(session.output.c_str());
     const ToolRun run(session.words(session.output), session.messages, {});
-    // Kills when the file has this size: within a tick, a checkpoint or the setup.
+    // Kills the recording when the file has this size: within a tick, a checkpoint or the setup.
     struct stat now {};
     for (int wait = 0; wait < 100'000; ++wait) {
       if (::stat(session.output.c_str(), &now) == 0 && static_cast<std::size_t>(now.st_size) >= size) break;
@@ -107,7 +108,7 @@ TEST_CASE("a full disk ends a recording with one line, and every earlier tick is
     CAPTURE(size);
     ::unlink(session.output.c_str());
     const int code = ToolRun(session.words(session.output), session.messages, [size] {
-                       // As a disk with this much space: the write beyond it fails.
+                       // Simulates a disk with this much space: a write beyond the limit fails.
                        std::signal(SIGXFSZ, SIG_IGN);
                        const rlimit limit{size, size};
                        ::setrlimit(RLIMIT_FSIZE, &limit);
@@ -135,7 +136,7 @@ TEST_CASE("a place that may not be written to is told, and nothing there changes
   std::ofstream{messages};
   for (const std::string& path : {session.folder.file(""), messages}) REQUIRE(::chmod(path.c_str(), 0777) == 0);
   const int code = ToolRun(session.words(inside), messages, [] {
-                     // root may write everywhere: the tool runs as nobody.
+                     // root may write everywhere, so the tool runs as nobody.
                      if (::getuid() == 0 && (::setgid(65534) != 0 || ::setuid(65534) != 0)) ::_exit(126);
                    }).wait();
   const std::string text = text_of(messages);

@@ -1,4 +1,4 @@
-// Plug-ins that end their process, print, hang and fork: never exit code 0 for what was not done, and whole output.
+// Plug-ins that end their process, print, hang and fork. Exit code 0 never hides undone work, and output is complete.
 // SPDX-License-Identifier: MIT
 //
 // tests/cli/rude_plugin.cpp is the plug-in.
@@ -115,7 +115,7 @@ TEST_CASE("a plug-in that ends the process while a trace is verified gives no ma
 
 TEST_CASE("a plug-in that changes the exit code when it is unloaded is told", "[cli][plugin_process][corruption]") {
   const RudeRun rude;
-  // The tool refuses with exit code 2, of which the plug-in makes 0.
+  // The tool refuses with exit code 2, and the plug-in changes the exit code to 0.
   const ChildResult result = rude.run("unload:_exit", {"record", "x", "-o", rude.trace});
   INFO(result.message);
   CHECK(result.end.exit_status == 1);
@@ -200,7 +200,7 @@ TEST_CASE("a verdict by a plug-in is stored, its crash is not, and another libra
   rude.plugin = moved;
   CHECK(contains(rude.run("", verify).output, "1 trace: 1 match; 1 cached, 0 verified"));
   Bytes bytes = read_file(moved);
-  bytes.push_back(0);  // behind all that is loaded
+  bytes.push_back(0);  // after all loaded sections
   write_file(moved, bytes);
   CHECK(contains(rude.run("", verify).output, "1 trace: 1 match; 0 cached, 1 verified"));
 
@@ -248,7 +248,7 @@ TEST_CASE("a signal that stops the tool stops the plug-in and what it forked", "
     CAPTURE(signal);
     std::filesystem::remove(rude.child);
     ChildCommand command;
-    // The plug-in hangs in the process of one file. That is a grandchild of the tool.
+    // The plug-in hangs in the process for one file, which is a grandchild of this test.
     command.argv = {
         "sh",
         "-c",

@@ -1,21 +1,20 @@
-// Runs the commands that the documents print, and compares what they show with what comes out.
+// Runs the commands that the documents print, and compares the shown output with the real output.
 // SPDX-License-Identifier: MIT
 //
-// A command is
-//   - a line "$ COMMAND" of a fenced block; the lines below it, up to the next one, are what it prints;
-//   - a line of a block without "$ " that is marked `sh`, or whose first line begins as a command does;
-//   - a line below a heading of a help text in docs/cli.md ("Examples:" and the like);
+// A command is one of:
+//   - a line "$ COMMAND" of a fenced block; the lines below it, up to the next command, are its output;
+//   - a line without "$ " in a block that is marked `sh`, or whose first line begins like a command;
+//   - a line below a heading of a help text in docs/cli.md ("Examples:" and similar);
 //   - a line "- run: ticktrue ..." of a workflow;
 //   - a line "  again   ticktrue ..." of a report, and `ticktrue ...` within a text.
-// Commands of a document run in its order in one folder, those of a help text in a folder of their own. Those of the
-// last line are parsed alone (--parse-only), with words such as FILE as they are; `./dev ...` is looked for in `./dev
+// Commands of a document run in order in one folder. Commands of a help text run in a separate folder. Commands of the
+// last kind are only parsed (--parse-only), with placeholders such as FILE unchanged. `./dev ...` must be in `./dev
 // help`.
 //
-// tests/cli/printed_commands.tsv has the exceptions, each with its reason. A command that is in no way right unless it
-// is listed there fails; so does a row that no command needs, and a number of exceptions other than the one written
-// there.
+// tests/cli/printed_commands.tsv has the exceptions, each with its reason. A command fails if it does not work and has
+// no exception. An unneeded exception fails, and so does a number of exceptions that differs from the stated number.
 //
-// TICKTRUE_UPDATE_DOCS=1 ticktrue_tests "[printed]" writes outputs that differ again, where they have no "...".
+// TICKTRUE_UPDATE_DOCS=1 ticktrue_tests "[printed]" rewrites differing outputs that contain no "...".
 #include <sys/wait.h>
 
 #include <algorithm>
@@ -63,7 +62,7 @@ enum class How { run, parse, leave };
 struct PrintedCommand {
   std::string document;
   std::size_t line = 0;
-  std::size_t part = 0;  // the folder it runs in: 0 that of the document, else that of a help text
+  std::size_t part = 0;  // folder in which it runs: 0 for the document, else of a help text
   std::string text;
   How how = How::run;
   std::vector<std::string> output;  // as the document shows it
@@ -82,7 +81,7 @@ bool looks_like_command(const std::string& line) {
   return std::regex_match(line, beginning);
 }
 
-/// Words that stand for something become words that can be parsed.
+/// Replaces placeholders by words that can be parsed.
 std::string with_values(std::string text) {
   static const std::pair<std::regex, const char*> rules[] = {
       {std::regex(R"([\[\]])"), ""},
@@ -124,7 +123,7 @@ class Collector {
     }
   }
 
-  /// "- run: COMMAND" of the workflow, where the command is of the tool it built.
+  /// Reads "- run: COMMAND" lines of the workflow whose command is the built tool.
   void read_workflow(const std::string& document) {
     document_ = document;
     read_steps(0, lines_of(text_of(tree / document)));
@@ -135,7 +134,7 @@ class Collector {
     commands.push_back({document_, index + 1, part, text, how, {}});
   }
 
-  /// `ticktrue ...` and `./dev ...` within a text. One or two names alone are a command's name.
+  /// Reads `ticktrue ...` and `./dev ...` within a text. One or two names alone are the name of a command.
   void read_text(std::size_t index, const std::string& line) {
     static const std::regex span(R"(`((?:ticktrue|\./dev) [^`]*)`)");
     static const std::regex name(R"(ticktrue [a-z]+( (mouse|rube|check|update|verify|report))?)");
@@ -178,7 +177,7 @@ class Collector {
     }
   }
 
-  /// Of a help text: the indented lines below a heading that begin as a command does, and `ticktrue ...`.
+  /// Reads a help text: `ticktrue ...`, and the indented lines below a heading that begin like a command.
   void read_help(std::size_t first, const std::vector<std::string>& block, std::size_t part) {
     bool in_examples = false;
     for (std::size_t i = 0; i < block.size(); ++i) {
@@ -204,7 +203,7 @@ std::vector<PrintedCommand> printed_commands() {
   return std::move(collector.commands);
 }
 
-/// A row of the table of exceptions.
+/// One row of the table of exceptions.
 struct Exception {
   std::size_t line = 0;
   std::string document;  // "*": any
@@ -216,7 +215,7 @@ struct Exception {
 
 struct Exceptions {
   std::vector<Exception> rows;
-  std::map<std::string, std::size_t> counts;  // as the table says: how many rows of each kind
+  std::map<std::string, std::size_t> counts;  // stated in the table: number of rows of each kind
 
   Exception* find(const PrintedCommand& command, const std::string& kind) {
     for (Exception& row : rows)
@@ -256,7 +255,7 @@ struct Outcome {
   std::string output;  // both streams
 };
 
-/// A folder with the tool in bin/, and in parse/ one that parses alone.
+/// A folder with the tool in bin/, and in parse/ a tool that only parses.
 class Folder {
  public:
   Folder() {
@@ -288,7 +287,7 @@ class Folder {
   fs::path path_;
 };
 
-/// Replaces the parts of a line that differ from run to run, or from build to build.
+/// Replaces the parts of a line that differ between runs or builds.
 std::string without_chance(const std::string& line) {
   static const std::pair<std::regex, const char*> rules[] = {
       {std::regex(R"([0-9.e-]+ ms/tick)"), "# ms/tick"},
@@ -300,7 +299,7 @@ std::string without_chance(const std::string& line) {
   return text;
 }
 
-/// The first of the shown lines that the output lacks; absent: it has all, in their order. A line "..." (also
+/// The first shown line that the output lacks; absent if the output has all shown lines in order. A line "..." (also
 /// indented) stands for any number of lines.
 std::optional<std::string> missing_line(const std::vector<std::string>& shown, const std::string& output) {
   const std::vector<std::string> found = lines_of(output);
@@ -321,7 +320,7 @@ std::optional<std::string> missing_line(const std::vector<std::string>& shown, c
   return std::nullopt;
 }
 
-/// `./dev COMMAND --options`: each word is one that `./dev help` has.
+/// Checks `./dev COMMAND --options`: `./dev help` must contain each word.
 void check_dev(const PrintedCommand& command, const std::string& help) {
   std::istringstream words(command.text);
   std::string word;
@@ -336,7 +335,7 @@ void check_dev(const PrintedCommand& command, const std::string& help) {
   }
 }
 
-/// Lines of a document, below a command, and the lines that replace them.
+/// Lines of a document below a command, and their replacement.
 struct Replacement {
   std::size_t first = 0;  // counted from 0
   std::size_t count = 0;
@@ -426,7 +425,7 @@ TEST_CASE("every command that a document prints does what the document says", "[
     CHECK(row.is_used);
     ++counts[row.what.substr(0, row.what.find(' '))];
   }
-  // Whoever adds a row also changes the count.
+  // A new row must also change the count.
   CHECK(counts == exceptions.counts);
 }
 

@@ -1,7 +1,7 @@
-// Where a recording goes: taken by another recorder, replaced, full, no file at all. Nothing is lost unseen.
+// Places for a recording: used by another recorder, replaced, full, or no regular file. No data is lost silently.
 // SPDX-License-Identifier: MIT
 //
-// Not verified: file systems without locks (NFS without its lock service), and two machines on one file.
+// Not verified: file systems without locks (NFS without its lock service), and two machines that write one file.
 #include <sys/resource.h>
 #include <sys/stat.h>
 
@@ -19,7 +19,7 @@
 namespace ticktrue::test {
 namespace {
 
-/// A recording that waits for live inputs: as long as the test wants it to run.
+/// A recording that waits for live inputs for as long as the test needs.
 struct LiveRecording {
   TemporaryFolder folder;
   std::string scene_path = folder.file("three.json");
@@ -39,7 +39,7 @@ struct LiveRecording {
     words.insert(words.end(), options.begin(), options.end());
     run.emplace(words, messages, prepare);
     send(R"({"tick":10,"kind":"impulse","body":1,"ix":1})");
-    // The recording has its place once the file holds the hashes of the first ticks.
+    // The recording owns its place once the file holds the hashes of the first ticks.
     for (int wait = 0; wait < 100'000; ++wait) {
       const auto reader = replay::TraceReader::open(output);
       if (reader && read_all(read_file(output)).ticks.size() == 10) return;
@@ -55,13 +55,13 @@ struct LiveRecording {
     const std::string text = line + "\n";
     REQUIRE(::write(pipe, text.data(), text.size()) == static_cast<ssize_t>(text.size()));
   }
-  /// The exit code of the recording.
+  /// Ends the recording and returns its exit code.
   int end() const {
     send(R"({"tick":20,"kind":"end"})");
     return run->wait();
   }
   std::string text() const { return text_of(messages); }
-  /// A second recording to the same place: its exit code.
+  /// Makes a second recording to the same place and returns its exit code.
   int record_again(const std::vector<std::string>& options) const {
     std::vector<std::string> words{"record", scene_path, "--ticks", "5", "-o", output};
     words.insert(words.end(), options.begin(), options.end());
@@ -97,7 +97,7 @@ TEST_CASE("two recordings to one file: the second is refused, with --force too",
   CHECK(whole.ticks.size() == 20);
   CHECK(whole.tail.condition == replay::TraceCondition::complete);
   CHECK_FALSE(std::filesystem::exists(live.output + ".old"));
-  CHECK(live.record_again({"--force"}) == 0);  // and now it is free
+  CHECK(live.record_again({"--force"}) == 0);  // the place is now free
 }
 
 TEST_CASE("a file removed, replaced or cut while it is recorded gives an error", "[cli][mishaps][corruption]") {
@@ -129,7 +129,7 @@ TEST_CASE("a file removed, replaced or cut while it is recorded gives an error",
     CHECK_FALSE(contains(text, "are whole in it"));
     CHECK_FALSE(contains(text, "recorded  "));
   }
-  // The file of another program stays.
+  // The file of another program is kept.
   const LiveRecording live;
   write_file(live.output + ".new", Bytes{1, 2, 3});
   std::filesystem::rename(live.output + ".new", live.output);
@@ -210,7 +210,7 @@ TEST_CASE("a disk without room for one tick: no file is left, and an overwritten
                      })
           .wait();
     };
-    // Messages are a file too: with so little room they may be cut.
+    // Messages go to a file as well, so they may be truncated on a nearly full disk.
     CHECK(record({}) == 2);
     if (std::filesystem::exists(path)) {
       const ReadTrace part = read_all(read_file(path));
@@ -237,7 +237,7 @@ TEST_CASE("a full disk with no whole tick is told as that", "[cli][mishaps][corr
     return;
   }
   const std::string messages = folder.file("messages");
-  // The state of its checkpoint needs more room than there is.
+  // The state in its checkpoint does not fit on the disk.
   const int code =
       ToolRun({"record", "mixed_pile?bodies=1000", "--ticks", "10", "-o", disk + "/x.ttr"}, messages, {}).wait();
   const std::vector<std::string> left = files_of(disk);
@@ -260,7 +260,7 @@ TEST_CASE("recover of a file that changes meanwhile is an error, never an assert
     REQUIRE(ToolRun(words, messages, {}).wait() == 0);
     return read_file(path);
   };
-  // Two damaged traces with different setups and checkpoints: a reader that mixes them must notice.
+  // Two damaged traces with different setups and checkpoints. A reader that mixes them must notice.
   Bytes one = recorded({"--detail", "full:0..3000"}),
         other = recorded({"--detail", "root", "--checkpoint-interval", "7"});
   const Bytes good = one;
@@ -272,7 +272,7 @@ TEST_CASE("recover of a file that changes meanwhile is an error, never an assert
     const int file = ::open(path.c_str(), O_WRONLY | O_CLOEXEC);
     for (bool first = true; !is_over; first = !first) {
       const Bytes& bytes = first ? one : other;
-      // In one call, so that the reader mostly opens a file that begins as a trace.
+      // Written in one call, so that the reader mostly opens a file that begins like a trace.
       if (::pwrite(file, bytes.data(), bytes.size(), 0) < 0) break;
       if (::ftruncate(file, static_cast<off_t>(bytes.size())) != 0) break;
     }

@@ -1,4 +1,4 @@
-// A plug-in that does to its process what no plug-in should: RUDE_PLUGIN=PLACE:ACT says where and what.
+// A plug-in that misbehaves in its process. RUDE_PLUGIN=PLACE:ACT selects where and how.
 // SPDX-License-Identifier: MIT
 //
 // Places: load, create, step (of the third tick), destroy, unload. Acts: see `acts`.
@@ -29,7 +29,7 @@ void print_flood() {
   for (int i = 0; i < 1024; ++i) std::fwrite(block, 1, sizeof block, stdout);
 }
 
-/// A child that would run for a minute, and writes its id to the file that RUDE_PLUGIN_CHILD names.
+/// Starts a child that would run for a minute. The child writes its id to the file that RUDE_PLUGIN_CHILD names.
 void leave_child(bool in_own_session) {
   const pid_t child = ::fork();
   if (child != 0) return;
@@ -43,7 +43,7 @@ void leave_child(bool in_own_session) {
   ::_exit(0);
 }
 
-/// Waits for the file of leave_child. Without that, the child would be ended before it could leave.
+/// Waits for the file of leave_child. Otherwise the child could be ended before it leaves the group.
 void wait_for_child() {
   const char* path = std::getenv("RUDE_PLUGIN_CHILD");
   for (int i = 0; i < 5'000; ++i) {

@@ -1,4 +1,4 @@
-// Runs the tool as a child process in conditions that a test prepares: signals, limits, users.
+// Runs the tool as a child process under conditions that a test prepares: signals, limits, users.
 // SPDX-License-Identifier: MIT
 #pragma once
 
@@ -15,7 +15,7 @@
 
 namespace ticktrue::test {
 
-/// A child process with the tool, its messages in a file.
+/// A child process that runs the tool. Its messages go to a file.
 class ToolRun {
  public:
   ToolRun(const std::vector<std::string>& words, const std::string& messages, const std::function<void()>& prepare) {
@@ -52,7 +52,7 @@ inline std::string text_of(const std::string& path) {
   return {bytes.begin(), bytes.end()};
 }
 
-/// Three bodies over the ground, to push.
+/// Three bodies above the ground, which inputs push.
 inline const std::string pushed_scene =
     R"({"name":"three","bodies":[{"type":"static","shapes":[{"type":"box","half_size":[50,1]}]},
 {"position":[0,2],"shapes":[{"type":"circle","radius":0.5}]},{"position":[2,2],"shapes":[{"type":"circle","radius":0.5}]},
