@@ -1,14 +1,16 @@
-// Damages traces in many ways and runs the tool on each: nothing may be accepted, crash or hang.
+// Damages traces in many ways and runs the tool on each. No damaged trace may be accepted, and no run may crash or
+// hang.
 // SPDX-License-Identifier: MIT
 //
 //   damage_check TOOL TRACE TRACE TRACE [--changes N] [--cuts N] [--splices N] [--seed S]
 //   damage_check TOOL TRACE... --every
 //
-// The second form changes every byte by three masks and cuts at every length, and goes to `verify` alone.
-// Each damaged file goes to `verify`, and then to one of show, recover, diff and replay. Verified: `verify` gives exit
-// code 3 or 4 and nothing else; no other command dies; each ends within 2 s of processor time; what `recover` writes
-// verifies with exit code 0. Not verified: the messages (traces/bad/EXPECTED.tsv does).
-// With sanitizers, their findings are told from exit codes of the tool by exit code 99.
+// The second form changes every byte with three masks and cuts at every length. It only runs `verify`.
+// Each damaged file goes to `verify`, and then to one of show, recover, diff and replay.
+// Verified: `verify` gives exit code 3 or 4 and nothing else; no other command dies; each ends within 2 s of processor
+// time; output of `recover` verifies with exit code 0.
+// Not verified: the messages (traces/bad/EXPECTED.tsv checks them).
+// With sanitizers, exit code 99 distinguishes their findings from exit codes of the tool.
 #include <algorithm>
 #include <cstdint>
 #include <cstdio>
@@ -62,7 +64,7 @@ struct Count {
   int accepted = 0;
   int crashes = 0;
   int hangs = 0;
-  int misjudged = 0;  // another exit code of verify than 3 or 4, or a recovered trace that does not verify
+  int misjudged = 0;  // an exit code of verify other than 3 or 4, or a recovered trace that does not verify
   double slowest_s = 0;
   std::map<int, int> exit_codes;  // of verify
 };
@@ -72,7 +74,7 @@ class Checker {
   Checker(std::string tool, const fs::path& folder)
       : tool_(std::move(tool)), damaged_((folder / "damaged.ttr").string()), saved_((folder / "saved.ttr").string()) {}
 
-  /// `verify` alone.
+  /// Runs `verify` only.
   void verify(const Trace& from, const Bytes& bytes, const std::string& what, Count& count) {
     std::ofstream(damaged_, std::ios::binary).write(bytes.data(), static_cast<std::streamsize>(bytes.size()));
     ++count.files;
@@ -83,7 +85,7 @@ class Checker {
       tell(from, "verify: exit " + std::to_string(code), what, ++count.misjudged);
   }
 
-  /// `verify`, and one of the other commands that read traces.
+  /// Runs `verify` and one other command that reads traces.
   void check(const Trace& from, const Bytes& bytes, const std::string& what, Count& count) {
     if (bytes == from.bytes) return;
     verify(from, bytes, what, count);
@@ -135,8 +137,8 @@ void append(Bytes& bytes, const Bytes& more) {
   bytes.insert(bytes.end(), more.begin(), more.end());
 }
 
-/// One of: the start of one trace and the end of another, at any bytes or at chunks; a chunk twice, left out, moved, or
-/// taken from another trace.
+/// Splices traces in one of these ways. The start of one trace is joined to the end of another, at any bytes or at
+/// chunks. Or a chunk is doubled, omitted, moved, or taken from another trace.
 Bytes spliced(const Trace& trace, const Trace& other, Random& random, std::string& what) {
   const std::size_t kind = random.below(6);
   if (kind < 2) {

@@ -1,12 +1,13 @@
-// Forges traces whose checksums are all right and runs the tool on each: nothing may crash, take long or take much.
+// Forges traces with valid checksums and runs the tool on each. No run may crash, or take much time or memory.
 // SPDX-License-Identifier: MIT
 //
 //   forged_check TOOL TRACE... [--files N] [--seed S] [--memory MB] [--keep DIR] [--only RECIPE]
 //
-// Each forged file goes to `verify` in one of its modes and to one of show, replay, diff, recover and report. Verified:
-// exit codes are those of the command line, none is a signal; each run ends within 2 s of processor time and stays
-// below 300 MB of resident memory (--memory; 0: not asked, for builds with sanitizers). Files that fail go to --keep.
-// Not verified: what the commands say of the files.
+// Each forged file goes to `verify` in one of its modes, and to one of show, replay, diff, recover and report.
+// Verified: exit codes are documented ones, and no signal ends a run; each run ends within 2 s of processor time and
+// stays below 300 MB of resident memory (--memory; 0: no limit, for builds with sanitizers). Failing files go to
+// --keep.
+// Not verified: the output of the commands.
 #include <unistd.h>
 
 #include <algorithm>
@@ -43,7 +44,7 @@ struct Count {
   int crashes = 0;
   int slow = 0;
   int large = 0;
-  int misjudged = 0;  // an exit code no command has
+  int misjudged = 0;  // an exit code that no command has
   std::size_t longest = 0;
   double slowest_s = 0;
   double largest_mb = 0;
@@ -51,7 +52,7 @@ struct Count {
   std::map<int, int> exit_codes;  // of verify
 };
 
-/// The commands for the i-th file. The lists have 7 and 11 entries, so that each mode meets each command.
+/// The commands for the i-th file. The lists have 7 and 11 entries, so each mode meets each command.
 std::vector<Arguments> commands(std::uint64_t i, const std::string& file, const std::string& other,
                                 const std::string& saved) {
   const std::vector<Arguments> verify{{"verify", file},

@@ -1,4 +1,4 @@
-// Chunks and records with right checksums and chain values, around any content.
+// Writes chunks and records with valid checksums and chain values around any content.
 // SPDX-License-Identifier: MIT
 #include "tests/damage/forger.h"
 
@@ -59,7 +59,7 @@ void Forger::chunk(std::uint8_t kind, ByteView payload) {
 void Forger::image(ChunkKind kind, std::uint64_t root_hash, ByteView head, std::uint64_t image_size, bool compress,
                    std::size_t size_max) {
   static const Bytes zeros(replay::image_part_size);
-  static ByteWriter packed_zeros;  // the part of zeros alone: packed once, it is used thousands of times
+  static ByteWriter packed_zeros;  // the part of zeros is packed once and used thousands of times
   Bytes raw;
   replay::ImagePart part;
   part.root_hash = root_hash;

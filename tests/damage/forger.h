@@ -1,4 +1,4 @@
-// Writes traces that no recorder would: any content, with checksums and chain values that are right.
+// Writes traces that no recorder would write: any content, with valid checksums and chain values.
 // SPDX-License-Identifier: MIT
 #pragma once
 
@@ -13,7 +13,7 @@
 
 namespace ticktrue::damage {
 
-/// Appends chunks in any order and with any payload. `tick` and `sequence` go on as a writer's do.
+/// Appends chunks in any order and with any payload. `tick` and `sequence` advance as in a writer.
 class Forger {
  public:
   explicit Forger(std::uint16_t version);
@@ -22,21 +22,21 @@ class Forger {
   void facts(const replay::FactsPayload& facts);
   /// A chunk whose chain content is its payload: private kinds, end.
   void chunk(std::uint8_t kind, ByteView payload);
-  /// An image of `image_size` bytes that begins with `head` and ends with zeros, as checkpoint or image chunks, up to
-  /// `size_max` bytes of file.
+  /// An image of `image_size` bytes that begins with `head` and continues with zeros, as checkpoint or image chunks.
+  /// Uses at most `size_max` bytes of the file.
   void image(replay::ChunkKind kind, std::uint64_t root_hash, ByteView head, std::uint64_t image_size, bool compress,
              std::size_t size_max);
 
-  // Of version 3.
-  /// Ticks go on from here.
+  // Only in version 3:
+  /// The next tick is `tick`.
   void begin_at(std::uint64_t tick) { tick_ = tick; }
-  /// One part with these bytes, which say to be the first of `image_size`.
+  /// One part with these bytes, which claims to be the first of `image_size`.
   void list(replay::ChunkKind kind, ByteView bytes, std::uint64_t image_size, double time_s = 0,
             std::uint64_t root_hash = 1);
   void list(replay::ChunkKind kind, ByteView bytes) { list(kind, bytes, bytes.size()); }
   /// A chunk outside of the chain.
   void bound_chunk(replay::ChunkKind kind, ByteView payload);
-  /// A shown image or a save in one part. `size`: what it says to have, 0 for that of the bytes.
+  /// A shown image or a save in one part. `size`: the claimed size; 0: the size of `bytes`.
   void content(replay::ChunkKind kind, ByteView bytes, bool compress = false, std::uint64_t size = 0);
 
   void open_ticks();
@@ -46,7 +46,7 @@ class Forger {
   void end(ByteView payload);
   void index(ByteView payload);
   void footer(std::uint64_t index_offset);
-  /// Bytes without any check.
+  /// Bytes without a chunk header or checksum.
   void raw(ByteView bytes) { out_.bytes(bytes); }
 
   std::size_t size() const { return out_.size(); }
@@ -70,7 +70,7 @@ class Forger {
   std::uint64_t index_offset_ = 0;
 };
 
-/// A recording, taken apart.
+/// The parts of a recording.
 struct Recording {
   struct Checkpoint {
     std::uint64_t tick = 0;
@@ -98,7 +98,7 @@ struct Recipe {
   std::string_view summary;
   Bytes (*forge)(const Recording& from, std::uint64_t seed);
 };
-/// Each gives at most forged_size_max bytes.
+/// A recipe makes at most this many bytes.
 inline constexpr std::size_t forged_size_max = 1u << 20;
 const std::vector<Recipe>& recipes();
 

@@ -1,4 +1,4 @@
-// How traces are forged: each recipe claims more than its bytes, or changes what only a checksum guards.
+// Recipes for forged traces. Each claims more than its bytes hold, or changes data that only a checksum protects.
 // SPDX-License-Identifier: MIT
 #include <algorithm>
 #include <cmath>
@@ -15,12 +15,12 @@ namespace {
 using replay::ChunkKind;
 using replay::RecordTag;
 
-/// The parts of a recording that a recipe changes. All else is written as it is.
+/// The parts of a recording that a recipe changes. All other parts are written unchanged.
 struct Changes {
   Bytes setup;                 // the payload
-  replay::FactsPayload facts;  // the codec says whether images may be compressed
+  replay::FactsPayload facts;  // the codec determines whether images may be compressed
   std::size_t tick_count_max = 1000;
-  bool closes = true;  // end, index, footer
+  bool closes = true;  // writes end, index and footer
 };
 
 Changes unchanged(const Recording& from) {
@@ -43,7 +43,7 @@ Bytes body_of(std::uint64_t value) {
   return out.take();
 }
 
-/// From 1 to `max`, every order of magnitude as likely.
+/// A random size from 1 to `max`; every order of magnitude is equally likely.
 std::uint64_t any_size(Random& random, std::uint64_t max) {
   return static_cast<std::uint64_t>(std::exp2(random.unit() * std::log2(static_cast<double>(max))));
 }
@@ -91,7 +91,7 @@ void finish(Forger& forger, std::uint64_t checkpoint_offset, const std::string& 
   forger.footer(0);
 }
 
-/// The recording as it is, but for `changes`.
+/// The recording, with `changes`.
 Bytes write(const Recording& from, const Changes& changes, const std::string& note = "") {
   Forger forger(version_of(from));
   begin(forger, changes);
@@ -122,9 +122,9 @@ Bytes write(const Recording& from, const Changes& changes, const std::string& no
 
 // ---- Recipes ----
 
-/// An image of the schema with row counts up to the limits. It holds zeros, so that it is small in the file.
+/// An image of the schema with row counts up to the limits. The image holds zeros, so it is small in the file.
 Bytes image_head(Random& random, const StateSchema& schema, std::uint64_t image_size, bool is_true) {
-  // All rows stand in the first table: its count is at the front, the counts of the others are zeros at the end.
+  // All rows are in the first table. Its count comes first; the counts of the other tables are zeros at the end.
   const TableSchema& first = schema.tables.front();
   const std::uint64_t rest = 4 * (schema.tables.size() - 1);
   std::uint64_t row_count = image_size < rest + 4 ? 0 : (image_size - rest - 4) / std::max(1u, first.row_size);
@@ -142,7 +142,7 @@ Bytes forge_images(const Recording& from, std::uint64_t seed, bool is_true, std:
   const std::uint64_t first = forger.size();
   const StateSchema& schema = from.setup.schema;
   const std::size_t row_size = std::max(1u, schema.tables.front().row_size);
-  const std::size_t at = random.below(2);  // the first image is right, or wrong as well
+  const std::size_t at = random.below(2);  // the first image is valid, or invalid as well
   if (at == 1 && !from.checkpoints.empty()) {
     const Recording::Checkpoint& right = from.checkpoints.front();
     forger.image(ChunkKind::checkpoint, right.root_hash, right.image, right.image.size(), true, forged_size_max);
@@ -165,7 +165,7 @@ Bytes forge_images(const Recording& from, std::uint64_t seed, bool is_true, std:
                  std::min<std::uint64_t>(size, limits::state_image_size_max), random.below(8) != 0,
                  forged_size_max * 7 / 8);
   }
-  if (random.below(3) != 0) finish(forger, first, "");  // else every seek must scan
+  if (random.below(3) != 0) finish(forger, first, "");  // otherwise every seek must scan
   return forger.take();
 }
 
@@ -179,7 +179,7 @@ Bytes forge_many_images(const Recording& from, std::uint64_t seed) {
   return forge_images(from, seed, true, 2000);
 }
 
-/// A right checkpoint before each tick, without an index: every seek scans.
+/// A valid checkpoint before each tick, without an index: every seek scans.
 Bytes forge_checkpoints(const Recording& from, std::uint64_t seed) {
   Random random(seed);
   const Changes changes = unchanged(from);
@@ -320,7 +320,7 @@ Bytes forge_setup_bytes(const Recording& from, std::uint64_t seed) {
   Random random(seed);
   Recording made = from;
   Bytes& setup = made.setup.setup;
-  if (random.below(4) == 0 && setup.size() > 16) {  // a piece of it many times
+  if (random.below(4) == 0 && setup.size() > 16) {  // repeats a piece of the setup
     const std::size_t at = random.below(setup.size());
     const Bytes piece(setup.begin() + static_cast<std::ptrdiff_t>(at),
                       setup.begin() + static_cast<std::ptrdiff_t>(std::min(setup.size(), at + 1 + random.below(200))));
@@ -426,7 +426,7 @@ Bytes forge_index(const Recording& from, std::uint64_t seed) {
 
 Bytes forge_headers(const Recording& from, std::uint64_t seed) {
   Random random(seed);
-  // Damage, and behind it as many right headers as fit, each of which must be tried.
+  // Damage, followed by as many valid headers as fit. Recovery must try each header.
   Changes changes = unchanged(from);
   changes.closes = false;
   changes.tick_count_max = 5;
@@ -447,7 +447,8 @@ Bytes forge_headers(const Recording& from, std::uint64_t seed) {
   return bytes;
 }
 
-/// The recording in version 3, with a save behind each checkpoint: of any bytes, some of which claim to be more.
+/// The recording in version 3, with a save after each checkpoint. The saves hold any bytes, and some claim to be
+/// larger.
 Bytes forge_saves(const Recording& from, std::uint64_t seed) {
   Random random(seed);
   replay::TraceSetup setup = from.setup;

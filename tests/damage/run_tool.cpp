@@ -1,4 +1,4 @@
-// A child with a limit of processor time, and what wait4 says of it.
+// Runs a child with a limit of processor time, and reads its resource use from wait4.
 // SPDX-License-Identifier: MIT
 #include "tests/damage/run_tool.h"
 
@@ -54,7 +54,7 @@ Outcome run_tool(const std::vector<std::string>& words) {
     return static_cast<double>(t.tv_sec) + 1e-6 * static_cast<double>(t.tv_usec);
   };
   outcome.cpu_s = seconds(usage.ru_utime) + seconds(usage.ru_stime);
-  outcome.memory_mb = static_cast<double>(usage.ru_maxrss) / 1000;  // Linux: KiB
+  outcome.memory_mb = static_cast<double>(usage.ru_maxrss) / 1000;  // Linux reports KiB
   return outcome;
 }
 
