@@ -1,8 +1,8 @@
-// A tick of a scene that has settled allocates nothing: operator new is counted while it runs.
+// A tick of a settled scene allocates nothing: operator new is counted while the tick runs.
 // SPDX-License-Identifier: MIT
 //
 // Not counted: memory of decoded inputs, which is allocated by design.
-// Not under sanitizers, which bring their own operator new.
+// Not run with sanitizers, which replace operator new.
 #include <atomic>
 #include <cstdlib>
 #include <new>
@@ -75,7 +75,7 @@ namespace {
 void check_settled(const engine::Scene& scene, const engine::EngineOptions& options) {
   const auto engine = make_engine_or_fail(scene, options);
   const TickInput input{scene.settings.dt, {}};
-  // Long enough to have seen the most that this scene ever holds.
+  // Enough ticks to reach the largest memory use of this scene.
   for (int tick = 0; tick < 400; ++tick) REQUIRE(engine->step(input, nullptr));
   const std::size_t before = allocation_count;
   bool did = true;
@@ -91,7 +91,7 @@ TEST_CASE("a tick of a settled scene allocates nothing", "[engine][allocation]")
   {
     const std::size_t before = allocation_count;
     const std::vector<int> seen(100);
-    REQUIRE(seen.size() + allocation_count - before == 101);  // the count counts
+    REQUIRE(seen.size() + allocation_count - before == 101);  // the counter works
   }
   for (const char* text : {"stack",
                            "pyramid?base=10",
@@ -120,7 +120,7 @@ TEST_CASE("a tick of a settled scene allocates nothing", "[engine][allocation]")
     REQUIRE(scene.has_value());
     CAPTURE(text);
     check_settled(*scene, {});
-    // In chunks, as on several threads: small ones, so that these small scenes have some.
+    // Small chunks, as on several threads, so that even these small scenes have several.
     ChunkOrder order(false);
     engine::EngineOptions in_chunks;
     in_chunks.parallel = {&order, 8};

@@ -1,9 +1,9 @@
-// The engine against closed forms: flight, collision, friction, weight. Tolerances come from the scheme's order and the
-// precision, not from observation.
+// The engine against closed forms: flight, collision, friction, weight. Tolerances come from the order and precision of
+// the scheme, not from observation.
 // SPDX-License-Identifier: MIT
 //
-// h is the substep, dt / substeps. Semi-implicit Euler falls g t (t + h) / 2, so it is g h t / 2 too low; a sliding
-// body brakes at the start of each substep, so it stops v0 h / 2 short.
+// h is the substep, dt / substeps. Semi-implicit Euler falls g t (t + h) / 2, which is g h t / 2 too low. A sliding
+// body brakes at the start of each substep, so it stops v0 h / 2 too early.
 #include <cmath>
 #include <memory>
 #include <vector>
@@ -53,7 +53,7 @@ double force_under(const Engine& engine, std::uint32_t body) {
   return force;
 }
 
-// Gravity of 10 turned by `degrees`: the ground is then a slope down to the right.
+// Gravity of 10 m/s^2 rotated by `degrees`: the ground then equals a slope down to the right.
 Point gravity_on_slope(double degrees) {
   const engine::SinCos turn = engine::sin_cos(degrees * pi / 180);
   return {10 * turn.sin, -10 * turn.cos};
@@ -69,7 +69,7 @@ void set_restitution(Scene& scene, double restitution) {
     for (Shape& shape : body.shapes) shape.material.restitution = restitution;
 }
 
-// Two discs of 1 kg and 3 kg, the first meeting the second at 4 m/s, without gravity or friction.
+// Two discs of 1 kg and 3 kg. The first hits the second at 4 m/s, without gravity or friction.
 Scene collision_scene(Precision precision, double restitution, SolverKind solver) {
   Scene scene = empty_scene(precision);
   scene.gravity = {0, 0};
@@ -142,7 +142,7 @@ TEST_CASE("a free body spins on with the same speed and angle = w t", "[engine][
       const int tick_count = 600;
       const BodyReport body = body_at_end(scene, tick_count, 0);
       CHECK(std::fabs(body.angular_velocity - spin) <= 1e-12 * spin);
-      // Each tick rounds the step angle w dt and the orientation, a few units each.
+      // Each tick rounds the step angle w dt and the orientation by a few units.
       const double expected = spin * tick_count * scene.settings.dt;
       const double rounding = tick_count * (4 + spin * scene.settings.dt) * 2 * c.epsilon;
       CHECK(std::fabs(std::remainder(body.angle - expected, 2 * pi)) < rounding);
@@ -166,7 +166,7 @@ TEST_CASE("damping without forces slows down by exp(-c t) exactly", "[engine][fl
       CHECK(std::fabs(body.velocity.x - 10 * factor) <= tolerance);
       CHECK(std::fabs(body.velocity.y + 4 * factor) <= tolerance);
       CHECK(std::fabs(body.angular_velocity - 3 * factor) <= tolerance);
-      CHECK(body.velocity.x >= 0);  // damping never turns a velocity round
+      CHECK(body.velocity.x >= 0);  // damping never reverses a velocity
     }
   }
 }
@@ -186,7 +186,7 @@ TEST_CASE("discs of 1 kg and 3 kg at 4 and 0 m/s leave at -2 and 2, or -0.5 and 
       run_ticks(*engine, 60);
       const std::vector<BodyReport> bodies = engine->bodies();
       const double common = 4.0 * 1 / (1 + 3);
-      // Relax removes the velocity that the soft contact adds, down to rounding where no shapes overlap deeply.
+      // The relax pass removes the velocity that the soft contact adds. Rounding remains if no shapes overlap deeply.
       const double tolerance = c.precision == Precision::f64 ? 1e-6 : 1e-5;
       CHECK(bodies[0].velocity.x == Approx(common - restitution * 4 * 3 / 4).margin(tolerance));
       CHECK(bodies[1].velocity.x == Approx(common + restitution * 4 * 1 / 4).margin(tolerance));
@@ -202,7 +202,7 @@ TEST_CASE("the impulse solver keeps momentum in a collision", "[engine][collisio
   const auto engine = engine_of(collision_scene(Precision::f64, 0.5, SolverKind::impulse));
   run_ticks(*engine, 60);
   const std::vector<BodyReport> bodies = engine->bodies();
-  CHECK(bodies[0].velocity.x < 1);  // it did collide
+  CHECK(bodies[0].velocity.x < 1);  // the bodies collided
   CHECK(std::fabs(bodies[0].velocity.x + 3 * bodies[1].velocity.x - 4) < 4e-12);
 }
 
@@ -248,7 +248,7 @@ TEST_CASE("collisions without gravity keep momentum and never add energy", "[eng
       const std::vector<double> before = momentum_and_energy();
       run_ticks(*engine, 180);
       const std::vector<double> after = momentum_and_energy();
-      const double relative = 1000 * 4 * c.epsilon;  // substeps, a few roundings each
+      const double relative = 1000 * 4 * c.epsilon;  // a few roundings per substep
       CHECK(std::fabs(after[0] - before[0]) < relative * before[0]);
       CHECK(std::fabs(after[1] - before[1]) < relative * before[0]);
       CHECK(after[3] <= before[3] * (1 + 1e-3));
@@ -259,8 +259,8 @@ TEST_CASE("collisions without gravity keep momentum and never add energy", "[eng
 
 TEST_CASE("a bouncing disc rises to restitution squared of its height, as closely as a tick lets it",
           "[engine][collision][analytic]") {
-  // The bounce takes the speed at the start of the tick in which the disc hits, which lacks up to g dt: relative to the
-  // impact speed v each bounce loses up to 2 g dt / v of the height. Position is at most v h off.
+  // The bounce uses the speed at the start of the tick of impact, which lacks up to g dt. With impact speed v, each
+  // bounce therefore loses up to 2 g dt / v of the height. The position is off by at most v h.
   for (const PrecisionCase& c : precision_cases) {
     for (const double dt : {1.0 / 240, 1.0 / 960}) {
       CAPTURE(c.precision, dt);
@@ -271,7 +271,7 @@ TEST_CASE("a bouncing disc rises to restitution squared of its height, as closel
       set_restitution(scene, 0.8);
       const auto engine = engine_of(scene);
       std::vector<double> apexes;
-      double velocity = 0;  // of the tick before
+      double velocity = 0;  // of the previous tick
       for (int tick = 0; tick * dt < 3 && apexes.size() < 3; ++tick) {
         run_ticks(*engine, 1);
         const BodyReport disc = engine->bodies()[1];
@@ -337,7 +337,7 @@ TEST_CASE("a box on a slope of 20 degrees holds above friction tan 20 and slips 
     const BodyReport box = engine->bodies()[1];
     const double acceleration = 10 * 0.05 * slope.sin;  // g (sin - mu cos)
     CHECK(box.velocity.x - speed == Approx(acceleration).epsilon(c.precision == Precision::f64 ? 1e-6 : 1e-3));
-    // In the first substep there is no normal force yet, and no friction: the box gains at most g sin h, and keeps it.
+    // In the first substep there is no normal force and no friction. The box gains at most g sin h there, and keeps it.
     const double h = scene.settings.dt / scene.settings.substeps;
     CHECK(box.center.x > acceleration * 4 / 2);
     CHECK(box.center.x < acceleration * 4 / 2 + 10 * slope.sin * h * 2);
@@ -352,7 +352,8 @@ TEST_CASE("a disc rolls down a slope with two thirds of g sin, without slipping"
   const BodyReport disc = body_at_end(scene, 120, 1);
   CHECK(disc.center.x == Approx(4.560269).epsilon(0.005));
   CHECK(disc.velocity.x == Approx(2 * 2.280134).epsilon(0.005));
-  // During a tick a contact's anchor turns with its body, so that it seems to lift by r (1 - cos w dt) at most.
+  // During a tick, the anchor of a contact rotates with its body. It therefore seems to rise by at most r (1 - cos w
+  // dt).
   const double spin = disc.angular_velocity;
   const double lift = 0.5 * (1 - engine::sin_cos(spin * scene.settings.dt).cos);
   CHECK(std::fabs(disc.center.y - 0.5) < lift);
@@ -393,7 +394,7 @@ TEST_CASE("soft contacts sink in by weight / (w^2 * effective mass), less with t
     run_ticks(*engine, 600);
     const double omega = 2 * pi * 0.125 * substeps / scene.settings.dt;
     for (const ContactReport& contact : engine->contacts()) {
-      if (contact.body_a == 0 || contact.body_b == 0) continue;  // against the ground contacts are stiffer
+      if (contact.body_a == 0 || contact.body_b == 0) continue;  // contacts with the ground are stiffer
       const double weight = 10.0 * (11 - std::max(contact.body_a, contact.body_b));
       const double sag = -(contact.separation[0] + contact.separation[1]) / 2;
       CHECK(sag == Approx(weight / (omega * omega * 0.4)).epsilon(0.01));  // two points of 0.2 kg each

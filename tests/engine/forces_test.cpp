@@ -1,4 +1,4 @@
-// Force elements against closed forms, under every integrator where the form does not depend on it.
+// Force elements against closed forms, with every integrator if the form does not depend on the integrator.
 // SPDX-License-Identifier: MIT
 #include <cmath>
 #include <memory>
@@ -54,7 +54,7 @@ std::uint32_t unconverged_of(const engine::Engine& engine) {
   return count;
 }
 
-/// Two discs of 1 kg and 3 kg, 2 m apart, at rest and with a spring of 1 m between anchors off their centres.
+/// Two discs of 1 kg and 3 kg at rest, 2 m apart. A spring of 1 m joins anchors off their centres.
 Scene sprung_pair(double stiffness, double damping) {
   Scene scene = weightless(Precision::f64, disc_of_1_kg({0, 0}));
   scene.bodies.push_back(disc_of_1_kg({2, 0}));
@@ -142,7 +142,7 @@ TEST_CASE("a quadratic drag slows a body of any speed under any integrator", "[e
           REQUIRE(std::fabs(body.velocity.x) < 1e5);
           REQUIRE(std::fabs(body.angular_velocity) < 1e5);
         }
-        // The midpoint rule turns a stiff motion round and keeps most of it.
+        // The midpoint rule reverses a stiff motion and keeps most of its speed.
         if (info.kind != IntegratorKind::implicit_midpoint) CHECK(std::fabs(engine->bodies()[0].velocity.x) < 2e4);
       }
     }
@@ -211,7 +211,7 @@ TEST_CASE("implicit_midpoint keeps angular momentum of a sprung pair exactly", "
              body.mass * (body.center.x * body.velocity.y - body.center.y * body.velocity.x);
     return sum;
   };
-  // A quadratic invariant: kept by the scheme, up to the tolerance of its equations (about 1e-14 m in each of 120).
+  // The scheme conserves quadratic invariants up to the tolerance of its equations, about 1e-14 m in each of 120 steps.
   CHECK(std::fabs(momentum(*run(scene, 120)) - momentum(*run(scene, 0))) < 1e-9);
 }
 
@@ -252,18 +252,18 @@ TEST_CASE("implicit_midpoint keeps stiff spring chains bounded and counts no uns
       }
       const auto engine = run(scene, 600);
       for (const BodyReport& body : engine->bodies()) {
-        // Eight metres of chain, and the extension of its soft springs.
+        // Eight metres of chain, plus the extension of its soft springs.
         CHECK(std::fabs(body.center.x) < 15);
         CHECK(std::fabs(body.center.y) < 15);
       }
-      // Beyond that, violently compressed springs leave a few in a thousand unsolved, and counted.
+      // With stiffer springs, violent compression leaves a few steps in a thousand unsolved. The engine counts them.
       CHECK(unconverged_of(*engine) <= (stiffness > 1e6 ? 24 : 0));
     }
   }
 }
 
 TEST_CASE("implicit_midpoint counts substeps whose equations it could not solve", "[engine][forces][stiff]") {
-  // A fall into a singularity: within a step of the centre there may be no solution at all.
+  // The body falls into a singularity: within a step of the centre, the equations may have no solution.
   Scene scene = weightless(Precision::f64, disc_of_1_kg({0.01, 0.003}));
   scene.settings.integrator = IntegratorKind::implicit_midpoint;
   scene.forces.push_back(force_of(ForceKind::central));
@@ -381,5 +381,5 @@ TEST_CASE("a body asleep on a spring wakes when the kinematic body at its other 
   REQUIRE(engine->step({scene.settings.dt, bytes}, nullptr));
   CHECK(asleep_count(*engine) == 0);
   for (int tick = 0; tick < 60; ++tick) REQUIRE(engine->step(nothing, nullptr));
-  CHECK(engine->bodies()[0].center.y > 0.5);  // it follows the other, which is 1 m higher
+  CHECK(engine->bodies()[0].center.y > 0.5);  // it follows the other body, which is 1 m higher
 }

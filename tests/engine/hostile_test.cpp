@@ -1,4 +1,4 @@
-// Worlds that nobody should build: each is refused with a message, or runs without a crash, a hang or a silent limit.
+// Hostile worlds: each is refused with a message, or runs without a crash, a hang or a silent limit.
 // SPDX-License-Identifier: MIT
 #include <algorithm>
 #include <cmath>
@@ -30,8 +30,7 @@ struct Outcome {
   double speed_max = 0;  // m/s, of any body at any tick
 };
 
-/// Runs `tick_count` ticks. States must be finite, or `find_non_finite` must say that they are not; finite ones must
-/// load back.
+/// Runs `tick_count` ticks. Each state must be finite, or `find_non_finite` must report it. A finite state must load.
 Outcome run(const Scene& scene, int tick_count) {
   Outcome outcome;
   auto made = engine::make_engine(scene);
@@ -54,7 +53,7 @@ Outcome run(const Scene& scene, int tick_count) {
   return outcome;
 }
 
-/// The scene in both precisions, under both solvers that know everything.
+/// Calls `check` with the scene in both precisions, with both solvers that support every feature.
 template <typename Check>
 void in_every_way(Scene scene, Check check) {
   for (const auto& precision : engine::precisions)
@@ -78,7 +77,7 @@ void runs_finite(const Scene& scene, int tick_count, double speed_max) {
   });
 }
 
-/// It may lose its numbers, but must say so.
+/// The run may lose finite values, but must report the loss.
 void runs_somehow(const Scene& scene, int tick_count) {
   in_every_way(scene, [&](const Scene& way) { CHECK_FALSE(run(way, tick_count).refused); });
 }
@@ -91,7 +90,7 @@ Scene coincident(int count, const Shape& shape) {
   return scene;
 }
 
-/// Hulls of these corners upon each other, lowest first, `pitch` apart.
+/// Hulls of these corners on top of each other, lowest first, at a distance of `pitch`.
 Scene pile(const std::vector<Point>& corners, int count, double pitch) {
   Scene scene = empty_scene();
   scene.bodies.push_back(ground());
@@ -194,7 +193,7 @@ void for_each_number(Scene& scene, Use use) {
   bounds("bounds", scene.bounds);
 }
 
-/// Two boxes apart, or at one place, joined by every kind of joint in turn, anchors in their middles.
+/// Two boxes with this joint between their centres, at different places or at the same place.
 Scene joined(JointKind kind, Point b) {
   Scene scene = empty_scene();
   scene.name = info_of(engine::joint_kinds, kind).name;
@@ -255,7 +254,7 @@ TEST_CASE("every number of an input that is no number is refused", "[engine][hos
 
 TEST_CASE("joints whose anchors coincide keep their bodies at finite speeds", "[engine][hostile][joints]") {
   for (const auto& info : engine::joint_kinds) {
-    // Bodies at one place, so that an axis from one anchor to the other has no direction.
+    // Both bodies are at one place, so an axis between the anchors has no direction.
     Scene scene = joined(info.kind, {0, 0});
     runs_finite(scene, 60, 100);
     if (info.kind == JointKind::target) continue;
@@ -274,8 +273,8 @@ TEST_CASE("joints whose anchors coincide keep their bodies at finite speeds", "[
 }
 
 TEST_CASE("bodies at one place fly apart at bounded speed", "[engine][hostile][contacts]") {
-  // An overlap of 1 m is taken back with a share of it per tick: at most 12 m/s between two neighbours under pgs, which
-  // takes a fifth; 200 of them may stand in a row.
+  // An overlap of 1 m is corrected by a share per tick. pgs corrects a fifth: at most 12 m/s between two neighbours. Up
+  // to 200 neighbours may be in a row.
   constexpr int count = 200;
   for (const Shape& shape : {box_shape(0.5, 0.5), disc_shape(0.5), capsule_shape({-0.3, 0}, {0.3, 0}, 0.2)})
     runs_finite(coincident(count, shape), 60, 12 * count);
@@ -331,7 +330,7 @@ TEST_CASE("five slivers upon each other stand", "[engine][hostile][contacts]") {
       for (const engine::BodyReport& body : engine->bodies()) {
         if (body.type == BodyType::static_body) continue;
         CHECK(std::abs(body.center.x) < 0.1);
-        // The remaining error of pgs exceeds a thickness of 1 mm: such bodies only stay together.
+        // The remaining error of pgs exceeds a thickness of 1 mm. Such thin bodies only stay together.
         if (way.settings.solver == SolverKind::pgs && height < 0.01) continue;
         CHECK(std::abs(body.angle) < 0.01);
         CHECK(body.center.y > 0);
@@ -429,7 +428,7 @@ TEST_CASE("springs as stiff as may be, and motors as fast as may be", "[engine][
       Force pull;
       pull.kind = ForceKind::central;
       pull.coefficient = 1e18;
-      pull.point = flight.bodies[0].position;  // where the pull has no direction
+      pull.point = flight.bodies[0].position;  // at this point the pull has no direction
       flight.forces = {pull};
       CHECK_FALSE(run(flight, 60).refused);
       Force drag;
@@ -479,7 +478,7 @@ TEST_CASE("worlds that have lost their numbers keep ticking under every broad ph
       scene.prototypes.push_back(unit_box({0, 0}));
       scene.prototypes[0].name = "box";
       scene.inputs = {engine::InputKind::impulse};
-      // Overflows whatever it meets.
+      // Any impact overflows.
       Body shot = unit_box({-40, 2});
       shot.mass = engine::ExplicitMass{1e15, 1e15, {}};
       shot.velocity = {1e9, 0};
@@ -525,7 +524,7 @@ TEST_CASE("thousands of joints hold a body as heavy as all of them; a light one 
     CHECK(outcome.finite);
     CHECK(outcome.speed_max < 2 * g);
   }
-  // The same two bodies, joined a thousand times.
+  // A thousand joints between the same two bodies.
   Scene twice = empty_scene();
   twice.bodies = {unit_box({0, 0}), unit_box({2, 0})};
   for (int i = 0; i < 1000; ++i) {
@@ -551,7 +550,7 @@ TEST_CASE("a sensor over thousands sees each of them once", "[engine][hostile][e
   const auto table = engine->state().schema->find_table("sensors");
   REQUIRE(table.has_value());
   CHECK(engine->state().tables[*table].row_count == 3000);
-  // Sensors do not see each other, and need no contacts.
+  // Sensors do not detect each other, and need no contacts.
   Scene stacked = coincident(400, zone);
   runs_finite(stacked, 5, 100);
 }

@@ -1,11 +1,13 @@
 // Integrators against closed forms: order of convergence, stability limit, rest on the ground.
 // SPDX-License-Identifier: MIT
 //
-// Verified: order of every integrator on six problems, its stability limit on an undamped oscillator, that those which
-// carry constraints let a box rest. Not verified: orders with contacts (1 for every scheme, at the time of impact).
+// Verified: the order of every integrator on six problems; its stability limit on an undamped oscillator; rest of a box
+// with each integrator that supports constraints.
+// Not verified: orders with contacts (1 for every scheme, at the time of impact).
 //
-// The error is the root mean square over 20 equally spaced sample times of the position, and the order its logarithm's
-// slope over three halvings of the step (accuracy anchors, section 4). Steps are chosen where rounding does not count.
+// The error is the root mean square of the position over 20 equally spaced sample times. The order is the slope of its
+// logarithm over three halvings of the step (accuracy anchors, section 4). Steps are large enough that rounding does
+// not matter.
 #define TICKTRUE_PRECISION f64
 #include <cmath>
 #include <functional>
@@ -33,11 +35,11 @@ namespace {
 
 constexpr int sample_count = 20;
 
-/// Where one coordinate is at a time, as simulated and exactly.
+/// A coordinate over time, simulated and exact.
 struct Problem {
   std::string name;
   double duration;   // s
-  int step_count_0;  // of the coarsest run, a multiple of sample_count
+  int step_count_0;  // steps of the coarsest run, a multiple of sample_count
   Scene scene;
   std::function<Point(double)> exact;
   bool is_pendulum = false;  // the angle of body 0 under theta'' = -g sin theta
@@ -57,7 +59,7 @@ Force smooth_force(ForceKind kind) {
   return force;
 }
 
-/// A spring of relaxed length 5 from the origin of the disc to (-5, 0): k x along the x axis.
+/// A spring of relaxed length 5 m from the origin of the disc to (-5, 0). Its force on the x axis is k x.
 Force spring_along_x(double stiffness, double damping) {
   Force force = smooth_force(ForceKind::spring);
   force.body = 0;
@@ -158,7 +160,7 @@ void pendulum_forces(const engine::f64::SolvedSet& solved, engine::f64::MotionWo
   }
 }
 
-/// The engine's schemes with the test's own model, so that forces no scene can say are possible.
+/// Runs the engine's schemes with a model of the test, so that forces beyond those of scenes are possible.
 class Stepper {
  public:
   Stepper(const Problem& problem, IntegratorKind kind) : scheme_(engine::f64::integrator(kind)) {
@@ -221,7 +223,7 @@ bool is_exact(const Problem& problem, const IntegratorInfo& info) {
 double amplitude_after(IntegratorKind kind, double wh, int step_count) {
   Problem problem{"", 0, 0, one_disc({1, 0}, {0, 0}), {}};
   problem.scene.forces.push_back(spring_along_x(1, 0));
-  // A stiffness of 1 N/m and 1 kg; the far end is far enough that the line never turns round.
+  // The spring has 1 N/m, the body 1 kg. The far end is so distant that the spring never changes its direction.
   problem.scene.forces[0].point = {-1e6, 0};
   problem.scene.forces[0].rest_length = 1e6;
   Stepper stepper(problem, kind);
@@ -239,7 +241,7 @@ TEST_CASE("every integrator converges with its order on every smooth problem", "
   for (const Problem& problem : problems()) {
     for (const IntegratorInfo& info : engine::integrators) {
       CAPTURE(problem.name, info.name);
-      // Schemes of order 4 reach rounding soon: they start from longer steps.
+      // Schemes of order 4 soon reach rounding, so they start from longer steps.
       const int base = info.order == 4 ? problem.step_count_0 / 2 : problem.step_count_0;
       if (is_exact(problem, info)) {
         CHECK(rms_error(problem, info.kind, base) < 1e-12);
@@ -260,7 +262,8 @@ TEST_CASE("every integrator is stable exactly up to its limit", "[engine][integr
   for (const IntegratorInfo& info : engine::integrators) {
     CAPTURE(info.name);
     if (info.stability_limit == 0) {
-      // A step multiplies the amplitude by sqrt(1 + w^2 h^2), in thesis_rk4 by sqrt(1 + w^2 h^2 / 2): 12 after 4000.
+      // A step multiplies the amplitude by sqrt(1 + w^2 h^2), and in thesis_rk4 by sqrt(1 + w^2 h^2 / 2): by 12 after
+      // 4000 steps.
       CHECK(amplitude_after(info.kind, 0.05, 4000) > 12);
       continue;
     }
@@ -302,7 +305,7 @@ TEST_CASE("under every integrator that carries constraints boxes rest on each ot
       for (std::size_t i = 1; i < after.size(); ++i) {
         CAPTURE(i, after[i].velocity.x, after[i].velocity.y, after[i].center.x, after[i].center.y);
         CHECK(std::fabs(after[i].velocity.y) <= 10 * h / 2);
-        // The sag of soft contacts, and no creeping: a tenth of the slop in five seconds.
+        // Only soft contacts yield. The stack creeps by at most a tenth of the slop in five seconds.
         CHECK(std::fabs(after[i].center.y - before[i].center.y) < 5e-4);
         CHECK(std::fabs(after[i].center.y - (static_cast<double>(i) - 0.5)) < 0.001 * count * count + 0.005);
         if (info.kind != IntegratorKind::explicit_euler || count < 10)
@@ -316,7 +319,7 @@ TEST_CASE("an impact lets no body in deeper than its slop, under every integrato
   for (const IntegratorInfo& info : engine::integrators) {
     if (!info.carries_constraints) continue;
     CAPTURE(info.name);
-    Scene scene = stack_scene(1, 0.05);  // 1 m/s: in a tick less than the speculative margin
+    Scene scene = stack_scene(1, 0.05);  // 1 m/s: less than the speculative margin per tick
     scene.settings.integrator = info.kind;
     const auto made = engine::make_engine(scene);
     REQUIRE(made.has_value());
@@ -341,7 +344,8 @@ TEST_CASE("a sliding box stops at v^2 / (2 mu g), less what the integrator's ord
     REQUIRE(made.has_value());
     for (int tick = 0; tick < 240; ++tick) REQUIRE((*made)->step({scene.settings.dt, {}}, nullptr));
     const double h = scene.settings.dt / scene.settings.substeps;
-    // Braked at the start of each step it is v h / 2 short, at the end as much too far, with the mean velocity neither.
+    // Braking at the start of each step stops v h / 2 too early, braking at its end v h / 2 too late. The mean velocity
+    // stops in the right place.
     CHECK(std::fabs((*made)->bodies()[1].center.x - 10) < 1.1 * 10 * h / 2);
   }
 }
@@ -349,7 +353,7 @@ TEST_CASE("a sliding box stops at v^2 / (2 mu g), less what the integrator's ord
 TEST_CASE("no spin turns a body into something that is no number", "[engine][integrators][property]") {
   for (const engine::Precision precision : {engine::Precision::f32, engine::Precision::f64})
     for (const IntegratorInfo& info : engine::integrators)
-      for (const int body_count : {1, 9})  // by themselves, and in lanes
+      for (const int body_count : {1, 9})  // alone, and in lanes
         for (const double speed : {1e7, 1.95e8, 2.5e8, 1e9, 1e12}) {
           CAPTURE(info.name, body_count, speed);
           Scene scene = empty_scene(precision);

@@ -1,4 +1,4 @@
-// Kernels change no bit: neither the instruction set, nor what they leave out, nor how joints are put into batches.
+// Kernels change no bit: neither the instruction set, nor skipped work, nor the batches of joints.
 // SPDX-License-Identifier: MIT
 #include <cstring>
 
@@ -20,7 +20,7 @@ Scene builtin(const std::string& text) {
   return *std::move(scene);
 }
 
-/// Every feature that kernels know, some alone, some together.
+/// Sessions with every feature that kernels handle, alone and combined.
 std::vector<Session> kernel_sessions() {
   std::vector<Session> sessions;
   for (const char* precision : {"f32", "f64"})
@@ -110,7 +110,7 @@ TEST_CASE("kernels that leave out what a scene lacks give the bits of the genera
 }
 
 TEST_CASE("joints in batches give the bits of the order of the scene", "[engine][kernels][joints]") {
-  // A long chain beside the net gives it more levels than batches are worth: then all is solved joint by joint.
+  // A long chain beside the net gives more levels than batches are worth. All joints are then solved one by one.
   for (const Precision precision : {Precision::f32, Precision::f64}) {
     constexpr int columns = 9;
     const auto in_batches = make_engine_or_fail(net(precision, columns, 0));

@@ -1,8 +1,9 @@
-// Problems of mechanics whose answers are known, solved by the whole engine: slopes, rolling, chains, pendulums.
+// Mechanics problems with known answers, solved by the whole engine: slopes, rolling, chains, pendulums.
 // SPDX-License-Identifier: MIT
 //
-// Sliding to rest, toppling, forces and sag of a stack, free spin and collisions of two discs: analytic_test.cpp.
-// h is the substep. Semi-implicit Euler gains g h t / 2 in a fall from rest, relative to a t^2 / 2 that is h / t.
+// analytic_test.cpp tests sliding to rest, toppling, forces and yield of a stack, free spin, and collisions of two
+// discs. h is the substep. In a fall from rest, semi-implicit Euler gains g h t / 2: relative to a t^2 / 2, that is h /
+// t.
 #include <cmath>
 #include <vector>
 
@@ -25,7 +26,7 @@ constexpr Precision both_precisions[]{Precision::f32, Precision::f64};
 const engine::SinCos slope = engine::sin_cos(20 * pi / 180);
 const double slope_tangent = slope.sin / slope.cos;
 
-// The ground is level and gravity leans: the slope falls to the right.
+// Gravity is inclined and the ground is level: equals a slope that falls to the right.
 Scene slope_scene(Body body, double friction, Precision precision = Precision::f64) {
   Scene scene = empty_scene(precision);
   scene.gravity = {10 * slope.sin, -10 * slope.cos};
@@ -58,7 +59,7 @@ double slip_speed(const BodyReport& disc) {
 
 // ---- Hanging ----
 
-// Links of a chain of 12 m between pegs 10 m apart, in two straight lines to the lowest point they can reach.
+// Links of a chain of 12 m between pegs 10 m apart. They start in two straight lines to the lowest reachable point.
 Scene hanging_chain() {
   constexpr int link_count = 20;
   constexpr double half_link = 0.3;
@@ -87,7 +88,7 @@ Scene hanging_chain() {
   return scene;
 }
 
-// ---- Pendulum: 1 kg on a rod of 1 m, let go at 60 degrees ----
+// ---- Pendulum: 1 kg on a rod of 1 m, released at 60 degrees ----
 
 Scene pendulum_scene(Precision precision, bool automatic) {
   Scene scene = empty_scene(precision);
@@ -137,7 +138,7 @@ void set_bounces(Scene& scene, double restitution) {
   for (Body& body : scene.bodies) body.shapes[0].material = {0, restitution};
 }
 
-// A disc over the ground, `height` m to fall.
+// A disc above the ground, with `height` m to fall.
 Scene bounce_scene(double height, double restitution, Precision precision) {
   Scene scene = empty_scene(precision);
   scene.bodies = {ground(), body_of(disc_shape(0.5), {0, height + 0.5})};
@@ -145,7 +146,7 @@ Scene bounce_scene(double height, double restitution, Precision precision) {
   return scene;
 }
 
-// Heights of the disc's highest points after each bounce, as ticks see them: up to g (dt / 2)^2 / 2 = 0.35 mm lower.
+// Heights of the disc's apexes after each bounce, sampled at ticks: up to g (dt / 2)^2 / 2 = 0.35 mm too low.
 std::vector<double> apexes(const Scene& scene, int tick_count) {
   const auto engine = make_engine_or_fail(scene);
   std::vector<double> found;
@@ -163,7 +164,7 @@ std::vector<double> apexes(const Scene& scene, int tick_count) {
   return found;
 }
 
-// Five discs in a row, `gap` m between them, the first one 1 m before the others at 10 m/s.
+// Five discs in a row, `gap` m apart. The first disc starts 1 m before the others, at 10 m/s.
 Scene cradle_scene(double gap, Precision precision) {
   Scene scene = empty_scene(precision);
   scene.gravity = {0, 0};
@@ -228,7 +229,8 @@ TEST_CASE("a disc slips down a slope if its friction is below a third of the tan
 }
 
 TEST_CASE("a chain of twenty links between two pegs hangs as its equations say", "[engine][joints][known_answers]") {
-  // Link i from the middle leans by atan((i + 1/2) / H); H, in weights of a link, from the span.
+  // Link i, counted from the middle, has the angle atan((i + 1/2) / H) from level. The span determines H, in weights of
+  // a link.
   constexpr double sag = 2.927214753;
   constexpr double pull = 7.819953406;
   const auto engine = make_engine_or_fail(hanging_chain());
@@ -311,7 +313,7 @@ TEST_CASE("a disc that bounces with 1 from 10 m neither gains nor loses 1 % of i
           "[engine][impacts][known_answers]") {
   for (const Precision precision : both_precisions) {
     CAPTURE(precision);
-    // Down and up take 2 sqrt(20 / 10) s.
+    // One fall and rise takes 2 sqrt(20 / 10) s.
     const std::vector<double> found = apexes(bounce_scene(10, 1, precision), 3600);
     CHECK(found.size() >= 20);
     for (const double apex : found) {
@@ -324,7 +326,7 @@ TEST_CASE("a disc that bounces with 1 from 10 m neither gains nor loses 1 % of i
 TEST_CASE("the last disc of a row takes all of the first one's speed", "[engine][impacts][known_answers]") {
   for (const Precision precision : both_precisions) {
     CAPTURE(precision);
-    // In f32, 100 roundings of the largest speed.
+    // In f32, 100 rounding errors of the largest speed.
     const double rounding = precision == Precision::f32 ? 100 * 0x1p-24 : 1e-9;
     for (const double gap : {0.001, 0.0}) {
       CAPTURE(gap);
@@ -338,7 +340,7 @@ TEST_CASE("the last disc of a row takes all of the first one's speed", "[engine]
       }
       CHECK(std::fabs(momentum / 10 - 1) < rounding);
       CHECK(std::fabs(energy / 50 - 1) < (precision == Precision::f32 ? 2 * rounding : 1e-6));
-      if (gap == 0) continue;  // all touch at once: which of them leave is a convention
+      if (gap == 0) continue;  // all discs touch at once: which discs leave is a convention
       for (std::size_t i = 0; i < 4; ++i) CHECK(std::fabs(discs[i].velocity.x) < 10 * (rounding + 1e-6));
       CHECK(discs[4].velocity.x == Approx(10).epsilon(rounding + 1e-6));
     }

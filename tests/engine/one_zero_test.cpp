@@ -1,4 +1,4 @@
-// A state holds one zero: which of the two a sum ends in would depend on the order of its terms.
+// A state contains no -0. The order of terms would otherwise decide the sign of a zero sum.
 // SPDX-License-Identifier: MIT
 //
 // Verified: after each stage of each tick, in sessions with every solver, integrator, joint, shape, force and input.
@@ -36,7 +36,7 @@ class ZeroObserver final : public StageObserver {
   const engine::Engine& engine_;
 };
 
-/// The first -0 of a run, or nothing.
+/// The place of the first -0 of a run; empty: none.
 std::string negative_zero_of(const Session& session, std::uint64_t tick_count) {
   const auto engine = make_engine_or_fail(session.scene);
   if (find_negative_zero(engine->state())) return "the initial state";
@@ -52,7 +52,7 @@ std::string text_of(const std::string& name) {
   return {std::istreambuf_iterator<char>(in), {}};
 }
 
-/// A scene of tests/worlds with its inputs, in the precision that is asked for.
+/// A scene of tests/worlds with its inputs, in the requested precision.
 Session session_of_files(const std::string& name, Precision precision) {
   Result<Scene> scene = engine::parse_scene(text_of(name + ".json"), name);
   REQUIRE(scene.has_value());
@@ -69,7 +69,7 @@ Session session_of_files(const std::string& name, Precision precision) {
     inputs[input->tick].push_back(*input);
     begin = end + 1;
   }
-  inputs.pop_back();  // it ends the session
+  inputs.pop_back();  // the last input ends the session
   for (const std::vector<engine::Input>& of_tick : inputs) {
     session.inputs.emplace_back();
     engine::encode_inputs(of_tick, session.inputs.back());

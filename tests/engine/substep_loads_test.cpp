@@ -1,4 +1,5 @@
-// Automatic substeps from measured loads: forces squeeze no more than weights, hubs that float keep their energy.
+// Automatic substeps from measured loads: forces compress no more than weights, and floating bodies with rods keep
+// their energy.
 // SPDX-License-Identifier: MIT
 #include <cmath>
 
@@ -23,7 +24,7 @@ void measure_loads(Scene& scene) {
   scene.settings.substep_loads = engine::SubstepLoads::measured;
 }
 
-// How far the top of a stack of 1 kg boxes sinks under a force, m.
+// The distance that the top of a stack of 1 kg boxes sinks under a force, m.
 double squeeze(int count, double force, Load load, Precision precision) {
   Scene scene = stack_scene(count, 0, precision);
   measure_loads(scene);
@@ -70,7 +71,7 @@ double kinetic_energy(const Engine& engine) {
   return energy;
 }
 
-// A disc of 1 kg with pinned rods that turns about itself in empty space.
+// A disc of 1 kg with rods on revolute joints, rotating in empty space.
 Scene hub(int rods, double speed, Precision precision) {
   Scene scene = empty_scene(precision);
   scene.gravity = {0, 0};

@@ -1,10 +1,10 @@
-// The number of threads changes no bit, nor does the order in which they take their chunks.
+// Neither the number of threads nor the order of chunks changes a bit.
 // SPDX-License-Identifier: MIT
 //
-// Verified: tick hashes of scenes with every solver, joint, shape and force, with chunks so small that each loop has
-// many, in other orders one after the other (that finds what depends on the order at once) and on 2, 4 and 8 threads
-// (that finds, with luck, what two threads write). Not verified: races that change no bit; -fsanitize=thread is run by
-// hand (docs/decisions/0016-chunks.md).
+// Verified: tick hashes of scenes with every solver, joint, shape and force. Chunks are so small that each loop has
+// many. Sequential runs in other orders reliably find a dependence on the order. Runs on 2, 4 and 8 threads may find
+// concurrent writes.
+// Not verified: races that change no bit; -fsanitize=thread is run by hand (docs/decisions/0016-chunks.md).
 #include "base/build_info.h"
 #include "base/parallel/chunk_order.h"
 #include "engine/builtin_scenes/builtin_scenes.h"
@@ -33,14 +33,14 @@ Session builtin_session(const std::string& text) {
   return {text, *std::move(scene), {}};
 }
 
-/// Scenes that are worth several threads without being forced to.
+/// Scenes that use several threads without being forced to.
 std::vector<Session> wide_sessions() {
   std::vector<Session> sessions;
   for (const char* text : {"pyramid?base=40", "mixed_pile?bodies=800", "joint_grid?columns=30", "tumbler?columns=20",
                            "pyramid?base=30&precision=f64", "pyramid?base=30&broad_phase=uniform_grid",
                            "gas?bodies=900", "many_pyramids?rows=4&columns=4"})
     sessions.push_back(builtin_session(text));
-  Session island = builtin_session("pyramid?base=45");  // one, of contacts enough for threads to unite it together
+  Session island = builtin_session("pyramid?base=45");  // one island, with enough contacts for threads to build it
   island.name = "pyramid with sleep";
   island.scene.settings.sleep.emplace();
   sessions.push_back(island);
@@ -62,7 +62,7 @@ TEST_CASE("the order in which chunks are done changes no bit", "[engine][threads
         run_count += order.run_count;
       }
   }
-  CHECK(run_count > 100000);  // there were chunks
+  CHECK(run_count > 100000);  // the runs used chunks
 }
 
 TEST_CASE("a long row of joints is solved in order, on any threads", "[engine][threads][joints][determinism]") {
@@ -109,7 +109,7 @@ TEST_CASE("large scenes give the same bits on threads and in any order", "[engin
     for (const bool reversed : {false, true}) {
       ChunkOrder order(reversed);
       CHECK(tick_hashes(session, tick_count, in_order(order, 0)) == expected);
-      CHECK(order.run_count > tick_count);  // it was worth sharing
+      CHECK(order.run_count > tick_count);  // the work was shared
     }
     if (!build_info().has_threads) continue;
     for (const unsigned thread_count : {2u, 4u}) {

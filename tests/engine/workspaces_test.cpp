@@ -1,4 +1,4 @@
-// Workspaces: what poison overwrites, and which caches a solver lists.
+// Workspaces: the fields that poison overwrites, and the caches that a solver lists.
 // SPDX-License-Identifier: MIT
 #define TICKTRUE_PRECISION f64
 #include <cstring>
@@ -37,10 +37,10 @@ TEST_CASE("poison overwrites scalars, rows and what workspaces hold inside", "[e
   CHECK(work.bodies.masses.empty());
   CHECK(work.motion.newton[4].empty());
   CHECK(is_poisoned(work.motion.unconverged));
-  CHECK(work.joints.uses_wavefront != used_wavefront);  // a bool is turned around: no other bits are one
+  CHECK(work.joints.uses_wavefront != used_wavefront);  // a bool is inverted, because other bits are not valid
   CHECK(is_poisoned(work.joints.revolutes.soft));
   CHECK(is_poisoned(work.contacts.batches.batch_count));
-  REQUIRE(work.contacts.batches.batches.size() == 2);  // these rows keep their number
+  REQUIRE(work.contacts.batches.batches.size() == 2);  // these rows keep their count
   CHECK(is_poisoned(work.contacts.batches.batches[1]));
   REQUIRE(work.contacts.block_batches.size() == 2);
   CHECK(is_poisoned(work.contacts.block_batches[1].batch_count));

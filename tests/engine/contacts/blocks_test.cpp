@@ -1,9 +1,9 @@
-// Contacts solved in blocks of islands, and updated in place: the bits of one set, found anew.
+// Contacts solved in blocks of islands, and updated in place, give the bits of a single solver set without caches.
 // SPDX-License-Identifier: MIT
 //
-// Verified: pyramids enough for blocks, whose boxes are taken away and thrown between them, so that islands meet and
-// part, and into which discs fall; with sleep, too. Blocks of a few contacts are forced on every scene in
-// threads_test.cpp.
+// Verified: enough pyramids for several blocks. Boxes are removed and thrown between pyramids, and discs fall in, so
+// that islands merge and split. The runs include sleep. threads_test.cpp forces blocks of a few contacts on every
+// scene.
 #include <vector>
 
 #include "base/build_info.h"
@@ -22,7 +22,7 @@ namespace {
 
 constexpr std::uint64_t blocks_tick_count = 80;
 
-/// Pyramids that rest, then some of their boxes are thrown, some are taken away, and discs fall in.
+/// Resting pyramids. Some of their boxes are then thrown, some are removed, and discs fall in.
 Session disturbed_pyramids(Precision precision, bool sleeps) {
   Result<engine::Scene> scene = engine::make_builtin_scene("many_pyramids?rows=4&columns=4");
   REQUIRE(scene.has_value());
@@ -45,7 +45,7 @@ Session disturbed_pyramids(Precision precision, bool sleeps) {
       input.values[0] = random.real(-40, 40);
       input.values[1] = random.real(0, 10);
       inputs.push_back(input);
-    } else if (tick == 22 || tick % 16 == 10) {  // falls a while before it touches anything
+    } else if (tick == 22 || tick % 16 == 10) {  // falls for some ticks before the first contact
       input.kind = engine::InputKind::spawn;
       input.values[0] = random.real(-40, 40);
       input.values[1] = 30;
@@ -75,7 +75,7 @@ Session thirty_ticks(const Scene& scene, Change change) {
   return session;
 }
 
-/// Checks that structures cached over ticks change no bit.
+/// Checks that caches change no bit.
 void check_cached(const Session& session) {
   engine::EngineOptions cached, anew;
   cached.broad_phase = engine::BroadPhaseKind::aabb_tree;
@@ -109,8 +109,8 @@ TEST_CASE("blocks of islands that meet and part give the bits of one set", "[eng
       CAPTURE(precision, sleeps);
       const Session session = disturbed_pyramids(precision, sleeps);
       engine::EngineOptions general, anew;
-      general.full_pipeline = true;                                // may bounce: not in blocks
-      anew.broad_phase = engine::BroadPhaseKind::sweep_and_prune;  // has no cache
+      general.full_pipeline = true;                                // restitution is possible, so blocks are off
+      anew.broad_phase = engine::BroadPhaseKind::sweep_and_prune;  // this broad phase has no cache
       const std::vector<Bytes> expected = run_of(session, general);
       CHECK((run_of(session, {}) == expected));
       CHECK((run_of(session, anew) == expected));
@@ -127,14 +127,14 @@ TEST_CASE("blocks of islands that meet and part give the bits of one set", "[eng
 
 TEST_CASE("a pair that was away for some ticks is tested anew", "[engine][blocks][caches]") {
   Scene scene = empty_scene(Precision::f32);
-  scene.settings.continuous = false;  // no way ahead that would keep the pair
+  scene.settings.continuous = false;  // no swept AABB that would keep the pair
   scene.inputs = {engine::InputKind::set_velocity};
   scene.bodies = {ground(200)};
-  for (int i = 0; i < 64; ++i) {  // so many pairs to a block
+  for (int i = 0; i < 64; ++i) {  // a block holds this many pairs
     scene.bodies.push_back(body_of(disc_shape(0.5), {1.5 * i - 100, 0.5}));
     scene.bodies.back().velocity = {1, 0};
   }
-  scene.bodies.push_back(body_of(box_shape(0.5, 0.5), {10, 0.5}));  // the only one in its block
+  scene.bodies.push_back(body_of(box_shape(0.5, 0.5), {10, 0.5}));  // the only pair in its block
   check_cached(thirty_ticks(scene, [](std::uint64_t tick, engine::Input& input) {
     input.body = 65;
     input.values[1] = tick == 10 ? 60 : tick == 12 ? -60 : 0;
@@ -168,7 +168,7 @@ TEST_CASE("a press ends the solution in blocks, and a release lets it begin agai
   });
   ChunkOrder order(false);
   engine::EngineOptions blocks;
-  blocks.parallel = {&order, 4};  // blocks of a few contacts, in a scene this small
+  blocks.parallel = {&order, 4};  // blocks of a few contacts in this small scene
   blocks.check_caches = true;
   const auto engine = make_engine_or_fail(scene, blocks);
   for (std::uint64_t tick = 0; tick < 30; ++tick) {
@@ -188,7 +188,7 @@ TEST_CASE("contacts in their places go on after a load", "[engine][blocks][resto
   for (std::uint64_t tick = 0; tick < 30; ++tick) REQUIRE(original->step(input_of(session, tick), nullptr));
   const auto restored = make_engine_or_fail(session.scene);
   for (std::uint64_t tick = 0; tick < 12; ++tick)
-    REQUIRE(restored->step(input_of(session, tick), nullptr));  // keeps others
+    REQUIRE(restored->step(input_of(session, tick), nullptr));  // the restored engine now caches other contacts
   REQUIRE(restored->load(image_of(*original)).has_value());
   for (std::uint64_t tick = 30; tick < blocks_tick_count; ++tick) {
     REQUIRE(original->step(input_of(session, tick), nullptr));

@@ -1,4 +1,4 @@
-// Cached structures change no bit: a tick is the same with any of them forgotten.
+// Caches change no bit: a tick is equal with any cache dropped.
 // SPDX-License-Identifier: MIT
 #include "engine/builtin_scenes/builtin_scenes.h"
 #include "engine/scene/input.h"
@@ -11,7 +11,7 @@ using namespace ticktrue::test;
 
 namespace {
 
-/// Two discs that rest, near each other, beside pairs of boxes that glide. In tick 10 one disc is sent at the other.
+/// Two resting discs near each other, beside pairs of gliding boxes. In tick 10 one disc is pushed towards the other.
 Session sent_at_each_other(Precision precision) {
   Scene scene = empty_scene(precision);
   scene.gravity = {0, 0};
@@ -32,7 +32,7 @@ Session sent_at_each_other(Precision precision) {
   return session;
 }
 
-/// The tick hashes of a run that forgets some structures before each tick.
+/// The tick hashes of a run that drops some caches before each tick.
 std::vector<std::uint64_t> hashes_forgetting(const Session& session, std::uint64_t tick_count,
                                              engine::CacheSet caches) {
   const auto engine = make_engine_or_fail(session.scene);

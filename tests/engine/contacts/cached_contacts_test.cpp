@@ -1,4 +1,4 @@
-// Cached contacts are valid only while nothing changes from which contacts follow.
+// Cached contacts are valid only as long as nothing that determines contacts changes.
 // SPDX-License-Identifier: MIT
 #include <vector>
 
@@ -13,7 +13,7 @@ using namespace ticktrue::test;
 
 namespace {
 
-/// Boxes and discs that hang still in a grid, so that their poses keep their bits until they are pushed.
+/// Boxes and discs float in a grid without moving, so that their poses keep their bits until a push.
 Scene still_grid(Precision precision, bool bullets) {
   Scene scene = empty_scene(precision);
   scene.gravity = {0, 0};
@@ -28,7 +28,7 @@ Scene still_grid(Precision precision, bool bullets) {
   return scene;
 }
 
-/// Now and then a body is pushed, and most of them are stopped again; the ticks are not all as long.
+/// Bodies are pushed at times, and most are stopped again. The tick lengths differ.
 Session pushes(const Scene& scene, std::uint64_t seed, int tick_count) {
   Random random(seed);
   Session session{"pushes", scene, {}};
@@ -36,7 +36,7 @@ Session pushes(const Scene& scene, std::uint64_t seed, int tick_count) {
     std::vector<engine::Input> inputs;
     engine::Input input;
     input.kind = engine::InputKind::set_velocity;
-    if (tick % 6 == 5)  // some stay where they were stopped, to the bit
+    if (tick % 6 == 5)  // some bodies stay in exactly the place where they stopped
       for (std::uint32_t body = 1; body < scene.bodies.size(); ++body) {
         input.body = body;
         input.sequence = body;
@@ -69,7 +69,7 @@ TEST_CASE("cached contacts are those found anew, with speculative contacts",
         const Session session = pushes(still_grid(precision, bullets), seed, tick_count);
         engine::EngineOptions cached, anew;
         cached.broad_phase = engine::BroadPhaseKind::aabb_tree;
-        anew.broad_phase = engine::BroadPhaseKind::brute_force;  // has no cache
+        anew.broad_phase = engine::BroadPhaseKind::brute_force;  // this broad phase has no cache
         CHECK(tick_hashes(session, tick_count, cached) == tick_hashes(session, tick_count, anew));
       }
 }

@@ -1,4 +1,4 @@
-// Contacts of a body that has more of them than a pass of the colouring has colours.
+// Contacts of a body that has more contacts than a colour pass has colours.
 // SPDX-License-Identifier: MIT
 #include <cmath>
 #include <numbers>
@@ -13,7 +13,7 @@ namespace {
 constexpr double hub_radius = 10;
 constexpr double rim_radius = 0.2;
 
-/// A disc without gravity and discs around it that just touch it, but for one that is 5 cm into it.
+/// A disc, without gravity, and discs around it that just touch it. One of these discs overlaps it by 5 cm.
 Scene hub(int rim_count, int pressing, BodyType rim_type, Precision precision) {
   Scene scene = empty_scene(precision);
   scene.gravity = {0, 0};
@@ -30,7 +30,8 @@ Scene hub(int rim_count, int pressing, BodyType rim_type, Precision precision) {
 }  // namespace
 
 TEST_CASE("each contact of a body is solved however many it has", "[engine][contacts][determinism]") {
-  // A pass has 32 colours for contacts between moving bodies, and 32 for those with a body that does not move.
+  // A colour pass has 32 colours for contacts between moving bodies, and 32 for contacts with a body that does not
+  // move.
   for (const int rim_count : {31, 32, 33, 34, 63, 64, 65, 66, 97})
     for (const BodyType rim_type : {BodyType::static_body, BodyType::dynamic_body})
       for (const auto& precision : engine::precisions)
@@ -43,7 +44,7 @@ TEST_CASE("each contact of a body is solved however many it has", "[engine][cont
             if (!solver.substeps) scene.settings.substeps = 1;
             const auto engine = make_engine_or_fail(scene);
             REQUIRE(engine->step({scene.settings.dt, {}}, nullptr));
-            // It presses, or has pushed the discs apart.
+            // The contact has a force, or has separated the discs.
             bool is_solved = false;
             for (const engine::ContactReport& contact : engine->contacts())
               if (contact.body_b == static_cast<std::uint32_t>(pressing + 1))

@@ -1,4 +1,4 @@
-// Great mass ratios and fast whirls under automatic substeps: nothing gives way by more than a hundredth of its size.
+// Large mass ratios and fast rotations with automatic substeps: no error exceeds a hundredth of a body's size.
 // SPDX-License-Identifier: MIT
 #include <cmath>
 
@@ -14,7 +14,7 @@ namespace {
 
 constexpr int loaded_ticks = 300;
 
-// How far a body is from where it started, m, at worst, once the load has come to rest.
+// The largest distance of a body from its start after the load has come to rest, m.
 double moved(Engine& engine) {
   const std::vector<BodyReport> start = engine.bodies();
   for (int i = 0; i < loaded_ticks; ++i) REQUIRE(engine.step({engine.scene().settings.dt, {}}, nullptr));

@@ -1,7 +1,7 @@
-// Stacks stand: towers, pyramids, card houses, of every size and mass ratio.
+// Towers, pyramids and card houses of every size and mass ratio stand.
 // SPDX-License-Identifier: MIT
 //
-// All with automatic substeps, whose target is an error of 0.005 of the size of a box; twice that is allowed here.
+// All runs use automatic substeps, whose target error is 0.005 of the size of a box. The tests allow twice that error.
 #include <cmath>
 #include <string>
 #include <vector>
@@ -21,7 +21,7 @@ namespace {
 
 constexpr int twenty_seconds = 1200;  // ticks
 
-// Boxes of `size` m and 1 kg/m^2 upon each other, each shifted sideways by up to `jitter` m. Body 0 is the ground.
+// Boxes of `size` m and 1 kg/m^2 on top of each other, each shifted sideways by up to `jitter` m. Body 0 is the ground.
 Scene tower_scene(int count, double jitter = 0, std::uint64_t seed = 1, double size = 1,
                   Precision precision = Precision::f32) {
   Random random(seed);
@@ -38,7 +38,7 @@ struct Moved {
   double down = 0;     // largest, m
 };
 
-// How far the bodies are from where the scene put them.
+// The distances of the bodies from their places in the scene.
 Moved moved_in(const Engine& engine) {
   Moved moved;
   const std::vector<BodyReport> bodies = engine.bodies();
@@ -91,7 +91,7 @@ TEST_CASE("a pyramid of 210 boxes stands for 20 s", "[engine][stack][stacks]") {
 }
 
 TEST_CASE("a card house of five floors stands for 20 s", "[engine][stack][stacks]") {
-  // Its top card starts with its centre at 1.643 m.
+  // The centre of the top card starts at 1.643 m.
   auto made = engine::make_builtin_scene("card_house");
   REQUIRE(made);
   REQUIRE(made->bodies.size() == 41);

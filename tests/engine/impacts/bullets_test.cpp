@@ -1,4 +1,4 @@
-// Bullets of every shape against walls and plates of every kind, drawn by a seeded generator: none passes.
+// Random bullets of every shape hit walls and plates of every kind, and none passes through.
 // SPDX-License-Identifier: MIT
 #include <cmath>
 
@@ -43,7 +43,7 @@ Shape bullet_shape(Random& random, double size) {
   }
 }
 
-// Walls of 1 mm, plates of 1 cm, along their y axis. They stop bodies that come from their left.
+// Walls of 1 mm and plates of 1 cm along the wall's y axis. They stop bodies that come from their left.
 Shape wall_shape(WallKind kind) {
   const double end = wall_half_length;
   switch (kind) {
@@ -80,8 +80,8 @@ double log_uniform(Random& random, double low, double high) {
   return std::exp(random.real(std::log(low), std::log(high)));
 }
 
-// Bodies 0, the wall, and 1, a bullet to its left that flies at it: 1 cm to 1 m, 10 to 1e4 m/s, incidence up to 80
-// degrees, within 200 m of the origin in f32, 10 km in f64.
+// Body 0 is the wall. Body 1 is a bullet to its left that flies towards the wall: 1 cm to 1 m, 10 to 1e4 m/s, incidence
+// up to 80 degrees. The scene is within 200 m of the origin in f32, and within 10 km in f64.
 Scene shot_scene(Random& random) {
   const Precision precision = random.below(2) != 0 ? Precision::f64 : Precision::f32;
   const double distance = log_uniform(random, 1, precision == Precision::f64 ? 9500 : 190);
@@ -115,7 +115,7 @@ Scene shot_scene(Random& random) {
   return scene;
 }
 
-// Whether the bullet's centre is ever behind the wall, or no number any more.
+// Whether the centre of the bullet is ever behind the wall, or not finite.
 bool passes(const Scene& scene) {
   const auto engine = make_engine_or_fail(scene);
   for (int i = 0; i < tick_count; ++i) {

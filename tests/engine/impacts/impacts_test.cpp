@@ -1,4 +1,4 @@
-// Impacts located in time: nothing passes through walls or plates, and bounces come when they should.
+// Impacts located in time: no body passes through walls or plates, and bounces happen at the right time.
 // SPDX-License-Identifier: MIT
 #include <cmath>
 
@@ -18,17 +18,17 @@ namespace {
 constexpr double tick = 1.0 / 60;
 constexpr int substep_counts[] = {1, 4, 16, 64, 256};
 
-/// A bullet that starts 3 m before a thin wall or plate and aims at its middle.
+/// A bullet that starts 3 m in front of a thin wall or plate and aims at its middle.
 struct Shot {
   Precision precision;
   Shape shape;
   double speed;      // m/s
   double incidence;  // rad
-  double origin;     // m, how far from the origin
-  bool at_plate;     // a free one of 1 cm, coming towards it; else a wall of 1 mm
+  double origin;     // m, distance from the origin
+  bool at_plate;     // the target is a free plate of 1 cm that approaches; else a wall of 1 mm
 };
 
-/// Whether the bullet ever is behind the wall within 40 ticks, or no number any more.
+/// Whether the bullet is behind the wall within 40 ticks, or not finite.
 bool passes(const Shot& shot) {
   const SinCos aim = sin_cos(shot.incidence);
   Scene scene = empty_scene(shot.precision);
@@ -149,7 +149,8 @@ TEST_CASE("a located bounce of restitution 1 comes back to its height for a minu
       if (height > apex) apex = height;
       if (i >= 3600 - 180 && height > late_apex) late_apex = height;
     }
-    // Sampled at ticks: an apex is missed by at most g (dt / 2)^2 / 2 = 0.35 mm. The start lies h^2 g / 8 too high.
+    // States are sampled at ticks, so an apex may be missed by up to g (dt / 2)^2 / 2 = 0.35 mm. The start is h^2 g / 8
+    // too high.
     CHECK(apex <= 10.0001);
     CHECK(late_apex > 9.99);
   }
@@ -265,9 +266,11 @@ TEST_CASE("a break of resting elastic discs keeps energy and momentum at any num
 
 TEST_CASE("a thin card that slides down a wall leaves it at the speed of theory, at any number of substeps",
           "[engine][impacts][analytic]") {
-  // Without friction energy is kept: with L, T the sides, a the angle from upright and the corners on wall and floor,
-  // w^2 ((L^2 + T^2) / 6 - L T sin a cos a / 2) = g (y0 - y), y = (L cos a + T sin a) / 2, x' = w (L cos a - T sin a)
-  // / 2. The wall cannot pull, so the card leaves it at the greatest x', which it keeps.
+  // Without friction, energy is conserved. L, T are the sides, a is the angle from upright, and the corners stay on
+  // wall and floor:
+  // w^2 ((L^2 + T^2) / 6 - L T sin a cos a / 2) = g (y0 - y), y = (L cos a + T sin a) / 2,
+  // x' = w (L cos a - T sin a) / 2.
+  // The wall cannot pull. The card therefore leaves the wall at the largest x', and keeps this speed.
   const double along = 2, thick = 0.1, gravity = 10, start = 0.35;
   const auto height = [&](double a) { return 0.5 * (along * sin_cos(a).cos + thick * sin_cos(a).sin); };
   double expected = 0;
@@ -295,13 +298,14 @@ TEST_CASE("a thin card that slides down a wall leaves it at the speed of theory,
       CAPTURE(precision, substeps);
       const auto end = engine->bodies()[2];
       CHECK(end.center.y == Approx(thick / 2).margin(0.01 * thick));
-      // Order 1 in the step: it leaves the wall up to a tick late, over which its speed is level.
+      // The error is of order 1 in the step: the card leaves the wall up to a tick late, while its speed hardly
+      // changes.
       CHECK(end.velocity.x == Approx(expected).epsilon(0.02));
     }
 }
 
 TEST_CASE("a large body that is hit too often in a substep stops what hits it", "[engine][impacts][property]") {
-  // Each disc falls on a board that can move, and each impact searches all pairs of the board: n impacts, n^2 searches.
+  // Each disc falls on a movable board, and each impact searches all pairs of the board: n impacts and n^2 searches.
   for (const int count : {60, 400}) {
     Scene scene = empty_scene();
     scene.gravity = {0, 0};
@@ -313,7 +317,7 @@ TEST_CASE("a large body that is hit too often in a substep stops what hits it", 
     scene.bodies.push_back(board);
     for (int i = 0; i < count; ++i) {
       Body disc = body_of(disc_shape(0.05), {0.5 * (i - 0.5 * count), 0.1 + 0.5 * i / count});
-      disc.velocity = {0, -60};  // 1 m in a tick
+      disc.velocity = {0, -60};  // 1 m per tick
       scene.bodies.push_back(disc);
     }
     for (Body& body : scene.bodies) body.shapes[0].material = Material{0, 1, 0, 0};
@@ -328,6 +332,6 @@ TEST_CASE("a large body that is hit too often in a substep stops what hits it", 
     CAPTURE(count);
     CHECK(above == count);
     if (count == 60) CHECK(bounced == count);
-    if (count == 400) CHECK(bounced < count);  // of the others, the last impacts were not located
+    if (count == 400) CHECK(bounced < count);  // the last impacts of the others were not located
   }
 }

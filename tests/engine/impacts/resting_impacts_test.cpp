@@ -1,7 +1,7 @@
-// Resting impacts: a body that falls onto a tower or slides against it leaves the tower in place and adds no energy.
+// Resting impacts: a body that lands on a tower, or slides against it, neither moves the tower nor adds energy.
 // SPDX-License-Identifier: MIT
 //
-// With automatic substeps. Boxes are 1 m, so that the slop is 5 mm.
+// All runs use automatic substeps. Boxes are 1 m, so the slop is 5 mm.
 #include <cmath>
 #include <vector>
 
@@ -21,7 +21,7 @@ constexpr double slop = 0.005;  // m
 constexpr double gravity = 10;  // m/s^2
 constexpr double drops[] = {0.1, 0.5, 1.0, 2.0, 5.0};
 
-// Towers of unit boxes at these places, body 0 is the ground.
+// Towers of unit boxes at these places. Body 0 is the ground.
 Scene towers_scene(int count, const std::vector<double>& places, Precision precision = Precision::f32) {
   Scene scene = empty_scene(precision);
   scene.settings.auto_substeps.emplace();
@@ -31,7 +31,7 @@ Scene towers_scene(int count, const std::vector<double>& places, Precision preci
   return scene;
 }
 
-// Energy of the bodies beyond that of the bodies `rest` at rest, J.
+// Energy of the bodies, minus the energy of the resting bodies `rest`, J.
 double energy_above(const std::vector<BodyReport>& bodies, const std::vector<BodyReport>& rest) {
   double energy = 0;
   for (std::size_t i = 0; i < bodies.size(); ++i) {
@@ -44,7 +44,7 @@ double energy_above(const std::vector<BodyReport>& bodies, const std::vector<Bod
 }
 
 struct LandingOutcome {
-  double energy_max = 0;  // J, above rest
+  double energy_max = 0;  // J, above the energy at rest
   double moved_max = 0;   // m, of all but the last body
   Point last;             // where the last body ends
 };
@@ -63,7 +63,8 @@ LandingOutcome watch(Engine& engine, const std::vector<BodyReport>& rest, int ti
   return outcome;
 }
 
-// After two seconds `lands` falls onto the bodies of `scene` from `drop` m. `landed`: where its centre comes to rest.
+// After two seconds, `lands` falls onto the bodies of `scene` from `drop` m. `landed`: the place where its centre comes
+// to rest.
 LandingOutcome land(Scene scene, const Body& lands, double drop, Point landed) {
   scene.prototypes = {lands};
   scene.prototypes[0].name = "falling";
@@ -83,7 +84,7 @@ LandingOutcome land(Scene scene, const Body& lands, double drop, Point landed) {
   return watch(*engine, rest, 300);
 }
 
-// They stay, and no energy comes from nowhere.
+// Checks that the bodies stay in place and gain no energy.
 void check_landing(const Scene& scene, const Body& lands, double drop, Point landed) {
   CAPTURE(drop, landed.x);
   const LandingOutcome outcome = land(scene, lands, drop, landed);
@@ -111,7 +112,7 @@ TEST_CASE("a box lands beside the middle of a resting tower and nothing but the 
   for (const double drop : drops) check_landing(towers_scene(10, {0}), unit_box({0, 0}), drop, {0.1, 10.5});
 }
 
-// Rigid boxes would not move at all: the impulse goes down within every box, so both points below it can take their
+// Rigid boxes would not move at all. The impulse passes down through every box, so both contact points below take a
 // share, and all velocities stay zero. Any movement of the tower is an error: it leans under the new load.
 TEST_CASE("a box lands far beside the middle of a tall tower and nothing but the box moves",
           "[engine][stack][resting_impacts]") {
@@ -138,7 +139,7 @@ TEST_CASE("a box that slides against a resting tower adds no energy and pushes i
           "[engine][stack][resting_impacts]") {
   const double friction = 0.6;
   for (const int count : {3, 10})
-    for (const double speed : {0.2, 1.0, 3.0}) {  // m/s where it meets the tower
+    for (const double speed : {0.2, 1.0, 3.0}) {  // m/s at the impact on the tower
       CAPTURE(count, speed);
       Scene scene = towers_scene(count, {0});
       const double way = 1;
@@ -150,8 +151,8 @@ TEST_CASE("a box that slides against a resting tower adds no energy and pushes i
       const std::vector<BodyReport> rest = engine->bodies();
       const LandingOutcome outcome = watch(*engine, rest, 300);
       CHECK(outcome.energy_max < 1.01 * 0.5 * slider.velocity.x * slider.velocity.x);
-      // At worst the lowest box takes half the speed at once; friction above and below it, and below the slider, then
-      // brakes both.
+      // In the worst case the lowest box takes half the speed at once. Friction above and below it, and below the
+      // slider, then stops both.
       const double braked = friction * gravity * (2.0 * count) / 2;
       CHECK(outcome.moved_max < slop + speed * speed / 4 / (2 * braked));
     }

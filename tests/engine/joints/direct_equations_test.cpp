@@ -1,4 +1,4 @@
-// The equations of joints for the direct solver: errors of known poses, gradients against differences.
+// The joint equations of the direct solver: errors at known poses, and gradients against finite differences.
 // SPDX-License-Identifier: MIT
 #include <algorithm>
 #include <cmath>

@@ -1,8 +1,9 @@
-// Jointed bodies under the direct solver, without the engine around it: gaps, energy, order, guards.
+// Jointed bodies with the direct solver, without the rest of the engine: gaps, energy, order, guards.
 // SPDX-License-Identifier: MIT
 //
 // The step is velocity Verlet with half kicks: kick, positions, move, kick, projection. Springs are tested with one
-// whole kick before the positions, as in semi-implicit Euler: their step knows all that acts on the row.
+// whole kick before the positions, as in semi-implicit Euler, because a spring's step includes everything that acts on
+// its constraint.
 #include "engine/joints/direct/direct_island.h"
 
 #include <algorithm>
@@ -66,7 +67,7 @@ DirectIsland chain_of(std::uint32_t count, double angle, double end_mass = 1) {
   return island;
 }
 
-// Eight rods pinned around a hub, all turning as one.
+// Eight rods on revolute joints around a body, all rotating as one.
 DirectIsland hub_of(double spin) {
   DirectIsland island;
   add_rod(island, {0, 0}, 0, 1);
@@ -104,7 +105,7 @@ double gap_of(const DirectIsland& island) {
 
 struct IslandRun {
   double gap = 0;
-  double energy_least = 0;  // change
+  double energy_least = 0;  // the change of the energy
   double energy_most = 0;
   int guarded = 0;
 };
@@ -144,7 +145,7 @@ Place end_of_chain(double angle, int steps_per_second) {
   return island.bodies.back().pose.position;
 }
 
-// A body of 2 kg on a vertical rail, with a drive along it.
+// A body of 2 kg on a vertical rail, with a drive along the rail.
 DirectIsland rail_with(const DirectDrive& drive) {
   DirectIsland island;
   add_rod(island, {0, 0}, 0, 2);
@@ -156,7 +157,7 @@ DirectIsland rail_with(const DirectDrive& drive) {
   return island;
 }
 
-// A fan of light rods on a body 4,000 times as heavy; no row of it agrees with the others at the start.
+// A fan of light rods on a body 4,000 times as heavy. At the start no constraint is satisfied.
 DirectIsland loose_fan(std::uint32_t seed) {
   DirectIsland island;
   add_rod(island, {0, 0}, 0, 4);
@@ -209,7 +210,7 @@ TEST_CASE("a hanging chain holds a hundred times its mass", "[engine][joints][di
 
 TEST_CASE("a swinging chain keeps its energy", "[engine][joints][direct]") {
   DirectIsland island = chain_of(20, pi / 3);
-  const double fall = 20 * earth_gravity * 10 * 0.5;  // J, down to hanging
+  const double fall = 20 * earth_gravity * 10 * 0.5;  // J, energy from the start down to hanging
   const IslandRun outcome = run_island(island, 10, 240, 4);
   REQUIRE(outcome.gap < 1e-7);
   REQUIRE(outcome.energy_least > -0.01 * fall);
@@ -237,7 +238,7 @@ TEST_CASE("what spins too fast for the substep loses energy and gains none", "[e
     INFO(spin << " rad/s");
     REQUIRE(outcome.guarded > 0);
     REQUIRE(outcome.energy_most < 1e-3 * energy);
-    REQUIRE(gap_of(island) < 1e-4);  // the gap that the guards left open has closed
+    REQUIRE(gap_of(island) < 1e-4);  // the gap that the guards tolerated has closed
   }
 }
 

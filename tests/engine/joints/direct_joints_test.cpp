@@ -1,8 +1,9 @@
-// Joints that the solver set solves directly: gaps, energy, order, momentum, drives, and what stays iterative.
+// Joints of solver sets that are solved directly: gaps, energy, order, momentum, drives, and joints that stay
+// iterative.
 // SPDX-License-Identifier: MIT
 //
-// Bars: a gap below 1e-4 of the size in f32 and 1e-9 in f64; energy without friction within 1 % (docs/physics.md).
-// That ticks, threads, caches and images give the same bits is tested for all sessions (tests/support/engine_runs.h).
+// Limits: a gap below 1e-4 of the size in f32 and 1e-9 in f64; energy without friction within 1 % (docs/physics.md).
+// The sessions in tests/support/engine_runs.h test that ticks, threads, caches and images give equal bits.
 #include <algorithm>
 #include <cmath>
 #include <utility>
@@ -38,7 +39,7 @@ Scene direct_scene(Precision precision) {
   return scene;
 }
 
-/// A rod of 1 m and `mass` around this place. It touches nothing.
+/// A rod of 1 m and `mass` at this place. The rod never collides.
 Body rod(Point center, double angle, double mass = 1) {
   Body body = body_of(box_shape(0.5, 0.05), center);
   body.angle = angle;
@@ -53,7 +54,7 @@ Body silent_peg(Point position) {
   return body;
 }
 
-/// Rods on a peg, `angle` from hanging down.
+/// Rods below a peg, at `angle` from hanging down.
 Scene chain_of(Precision precision, int count, double angle, double end_mass = 1) {
   Scene scene = direct_scene(precision);
   scene.bodies.push_back(silent_peg({0, 0}));
@@ -69,7 +70,7 @@ Scene chain_of(Precision precision, int count, double angle, double end_mass = 1
   return scene;
 }
 
-/// A floating hub with rods around it, all turning as one.
+/// A floating body with rods around it, all rotating as one.
 Scene hub_of(Precision precision, int rod_count, double spin) {
   Scene scene = direct_scene(precision);
   scene.gravity = {0, 0};
@@ -107,7 +108,7 @@ Point point_of(const BodyReport& body, Point anchor) {
   return {body.origin.x + c * anchor.x - s * anchor.y, body.origin.y + s * anchor.x + c * anchor.y};
 }
 
-/// The largest distance of the anchors of a point joint, or the most by which a rod has another length.
+/// The largest distance between the anchors of a point joint, or the largest length error of a rod.
 double gap_of(const Engine& engine) {
   const std::vector<BodyReport> bodies = engine.bodies();
   double most = 0;
@@ -142,7 +143,7 @@ DirectRun run_scene(const Scene& scene, double seconds) {
   return run;
 }
 
-/// A body that swings, slides or rolls under gravity on a joint of this kind, or one of two on a rope.
+/// A body that swings, slides or rolls under gravity on a joint of this kind, or that hangs on one side of a rope.
 Scene swinging(JointKind kind) {
   Scene scene = direct_scene(Precision::f64);
   scene.bodies = {silent_peg({0, 0}), rod({1, 0.3}, 0.4)};
@@ -160,7 +161,7 @@ Scene swinging(JointKind kind) {
     joint.limits = engine::Range{-1e6, 1e6};
     scene.gravity = {-3, 4};  // across the axis
   }
-  if (kind == JointKind::weld) {  // to a rod that swings
+  if (kind == JointKind::weld) {  // the weld holds a rod that swings
     scene.bodies.push_back(rod({2, 0.3}, 0.4));
     scene.joints = {joint_of(JointKind::revolute, 0, 1)};
     scene.joints[0].anchor_a = end;
@@ -200,7 +201,7 @@ Point end_of_chain(IntegratorKind integrator, int substeps) {
   return engine->bodies().back().center;
 }
 
-/// Planks between two pegs under a box that falls; `slack` 0 is a bridge without sag.
+/// Planks in a level line between two pegs, below a falling box.
 Scene bridge_under_box(Precision precision, int planks, double half_edge, double height) {
   Scene scene = direct_scene(precision);
   scene.bodies.push_back(silent_peg({0, 0}));
@@ -264,7 +265,7 @@ TEST_CASE("hubs with rods neither gain nor lose, floating or pinned", "[engine][
 TEST_CASE("a chain of fifty swings for ten seconds and keeps its energy", "[engine][joints][direct][conservation]") {
   for (const Precision precision : {Precision::f32, Precision::f64}) {
     CAPTURE(precision);
-    const double fall = 50 * 10 * 25 * 0.5;  // J, down to hanging
+    const double fall = 50 * 10 * 25 * 0.5;  // J, energy from the start down to hanging
     const DirectRun run = run_scene(chain_of(precision, 50, pi / 3), 10);
     CHECK(run.gap < gap_max_f32);
     CHECK(run.energy_most < 0.01 * fall);
@@ -281,7 +282,7 @@ TEST_CASE("four integrators gain nothing in a minute, with each kind of joint",
       scene.settings.integrator = integrator;
       CAPTURE(info_of(engine::integrators, integrator).name, info_of(engine::joint_kinds, kind).name);
       const DirectRun run = run_scene(scene, 60);
-      const double turned_over = 10;  // J, between kinetic and potential energy
+      const double turned_over = 10;  // J, exchanged between kinetic and potential energy
       CHECK(run.energy_most < (order == 1 ? 0.05 : 0.01) * turned_over);
       CHECK(run.energy_least > (order == 1 ? -0.05 : -0.01) * turned_over);
       CHECK(run.gap < 1e-7);
@@ -433,8 +434,8 @@ TEST_CASE("direct joints to what moves by itself follow it", "[engine][joints][d
 }
 
 TEST_CASE("direct joints that contradict each other throw nothing about", "[engine][joints][direct][regression]") {
-  // Two bodies that move by themselves part, and one pin to each holds a rod. Impulses have no bound; kept from one
-  // substep to the next, or taken off at other poses, they were kicks of 1e6 m/s.
+  // Two kinematic bodies move apart, and a revolute joint on each holds a rod. Their impulses have no bound. Impulses
+  // that were stored over substeps, or removed at other poses, became kicks of 1e6 m/s.
   for (const Precision precision : {Precision::f32, Precision::f64})
     for (const bool is_touched : {false, true}) {
       Scene scene = direct_scene(precision);
@@ -467,7 +468,7 @@ TEST_CASE("direct joints that contradict each other throw nothing about", "[engi
 
 TEST_CASE("random worlds whose joints contradict each other stay slow when they are direct",
           "[engine][joints][direct][worlds][regression]") {
-  // In each of them some body once reached 400 to 5e6 m/s.
+  // In each of these worlds some body once reached 400 to 5e6 m/s.
   engine::RandomWorldOptions options;
   options.body_count_max = 60;
   options.tick_count_max = 150;
@@ -493,7 +494,8 @@ TEST_CASE("random worlds whose joints contradict each other stay slow when they 
 
 TEST_CASE("a direct pulley whose one side has no direction holds its other side",
           "[engine][joints][direct][regression]") {
-  // The row then acts on one body alone. Eliminated behind the other one, it had a pivot of rounding errors: 1e6 m/s.
+  // The constraint then acts on one body only. When it was eliminated after the other body, its pivot was a rounding
+  // error: 1e6 m/s.
   for (const Precision precision : {Precision::f32, Precision::f64}) {
     Scene scene = direct_scene(precision);
     for (const double x : {-1.1875, -1.0625, -0.9375}) {

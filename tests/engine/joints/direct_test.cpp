@@ -64,7 +64,7 @@ struct LinearProblem {
   double compliance = 1e-10;
 };
 
-// Rows of pins and welds with random arms; masses from 1 to `ratio`.
+// Constraint rows of revolute and weld joints with random lever arms. Masses are from 1 to `ratio`.
 LinearProblem problem_of(Random& random, std::uint32_t body_count, std::vector<GraphJoint> joints, double ratio) {
   LinearProblem problem;
   for (std::uint32_t body = 0; body < body_count; ++body) {
@@ -104,7 +104,7 @@ void fill(const LinearProblem& problem, const JointGraph& graph, BlockSystem& sy
   }
 }
 
-// [M, G^T; G, -c], bodies first.
+// The dense matrix [M, G^T; G, -c], bodies first.
 std::vector<std::vector<double>> dense_of(const LinearProblem& problem) {
   const std::size_t bodies = problem.masses.size();
   const std::size_t size = 3 * (bodies + problem.joints.size());
@@ -128,7 +128,7 @@ std::vector<std::vector<double>> dense_of(const LinearProblem& problem) {
   return a;
 }
 
-// Gauss with pivoting.
+// Gaussian elimination with pivoting.
 std::vector<double> dense_solution(std::vector<std::vector<double>> a, std::vector<double> b) {
   const std::size_t size = b.size();
   for (std::size_t at = 0; at < size; ++at) {
@@ -152,8 +152,8 @@ std::vector<double> dense_solution(std::vector<std::vector<double>> a, std::vect
 }
 
 struct Errors {
-  double velocity = 0;  // against the dense solution, of the largest velocity
-  double row = 0;       // of G v - c p = r, of the largest r
+  double velocity = 0;  // error against the dense solution, relative to the largest velocity
+  double row = 0;       // error of G v - c p = r, relative to the largest r
 };
 
 Errors errors_of(const LinearProblem& problem, Random& random) {

@@ -1,8 +1,8 @@
-// Springs of joints: amplitude, damping, stiffness beyond the substep, sag.
+// Springs of joints: amplitude, damping, stiffness above the limit of a substep, deflection.
 // SPDX-License-Identifier: MIT
 //
-// Limits from engine/joints/joint_spring.h: a swing from rest at x0 has the amplitude x0 / cos(theta / 2), theta
-// the angle per substep, cos(theta) = 1 / (1 + y^2 / 2 + 5 y^4 / 24), y = w h.
+// Limits from engine/joints/joint_spring.h. A swing from rest at x0 has the amplitude x0 / cos(theta / 2). theta is the
+// angle per substep: cos(theta) = 1 / (1 + y^2 / 2 + 5 y^4 / 24), y = w h.
 #include <cmath>
 
 #include "engine/math/trig.h"
@@ -17,7 +17,7 @@ namespace {
 
 constexpr double h = dt / 4;
 
-// 1 kg on a spring of 1 m that is stretched by `stretch`.
+// 1 kg on a spring of 1 m, stretched by `stretch`.
 Scene spring_scene(Precision precision, double stiffness, double damping, double stretch) {
   Scene scene = empty_scene(precision);
   scene.gravity = {0, 0};
@@ -58,7 +58,7 @@ TEST_CASE("an undamped spring keeps its amplitude, however stiff", "[engine][joi
 }
 
 TEST_CASE("an undamped spring has its period to fourth order in w h", "[engine][joints][analytic]") {
-  // The angle per substep is off by 61 y^5 / 720; y = w h.
+  // The error of the angle per substep is 61 y^5 / 720; y = w h.
   for (const double stiffness : {1e2, 1e3}) {
     const auto engine = make_engine_or_fail(spring_scene(Precision::f64, stiffness, 0, 0.1));
     const double omega = std::sqrt(stiffness);
@@ -81,7 +81,7 @@ TEST_CASE("springs far too stiff for the substep stay bounded", "[engine][joints
       Scene scene = spring_scene(precision, stiffness, 0, 0.1);
       scene.bodies[1].velocity = {1, 0};
       const auto engine = make_engine_or_fail(scene);
-      // A quarter turn per substep: at most sqrt(2) (x0 + h v).
+      // The swing takes a quarter period per substep: at most sqrt(2) (x0 + h v).
       CHECK(largest_stretch(*engine, 3600) < std::sqrt(2.0) * (0.1 + h) * 1.01);
       CHECK_FALSE(find_non_finite(engine->state()).has_value());
     }
@@ -146,7 +146,7 @@ TEST_CASE("a weight on a spring hangs m g / k below its rest, however stiff", "[
 }
 
 TEST_CASE("a spring under other constraints carries their load too", "[engine][joints][analytic]") {
-  // A sprung platform with a stack on it: the spring bears all weights, whatever its stiffness.
+  // A platform on a spring, with a stack on it. The spring carries all weights at any stiffness.
   for (const double stiffness : {1e3, 1e5}) {
     CAPTURE(stiffness);
     Scene scene = empty_scene();
@@ -163,7 +163,7 @@ TEST_CASE("a spring under other constraints carries their load too", "[engine][j
 }
 
 TEST_CASE("a slider swings at its hertz however far off its centre the anchor is", "[engine][joints][analytic]") {
-  // Held at its angle a body of 2 kg swings as a point: x0 cos(w t), positions half a substep ahead.
+  // With a fixed angle, a body of 2 kg swings as a point: x0 cos(w t), positions half a substep ahead.
   for (const double arm : {0.0, 0.5, 2.0}) {
     CAPTURE(arm);
     Scene scene = empty_scene();
@@ -175,7 +175,7 @@ TEST_CASE("a slider swings at its hertz however far off its centre the anchor is
     const auto engine = make_engine_or_fail(scene);
     run_ticks(*engine, 90);
     const double phase = 2 * engine::pi * (90 * dt + h / 2);
-    // The rigid row of the angle gives way by torque / (I w^2), w its own.
+    // The rigid constraint of the angle yields by torque / (I w^2), with its own w.
     const double rigid = 2 * engine::pi * 0.25 / h;
     const double torque = 2 * 0.1 * 4 * engine::pi * engine::pi * arm;
     const double give = torque / (0.05 * rigid * rigid);
@@ -206,12 +206,13 @@ TEST_CASE("a motor that presses a slider against its limit gives way by at most 
 
 TEST_CASE("two bodies on a slider with arms keep their momentum and angular momentum",
           "[engine][joints][conservation]") {
-  // Turning bodies, anchors off both centres: the axis is solved with the reactions of the rigid rows.
+  // The bodies rotate, and the anchors are off both centres. The axis is solved together with the reactions of the
+  // rigid constraints.
   Scene scene = empty_scene();
   scene.gravity = {0, 0};
   scene.bodies = {bob({0, 0}, 3, 0.2), bob({1.2, 0.7}, 1, 0.1)};
   scene.bodies[0].angular_velocity = scene.bodies[1].angular_velocity = 0.5;
-  scene.bodies[1].velocity = {-0.35, 0.6};  // turns with A about A's centre
+  scene.bodies[1].velocity = {-0.35, 0.6};  // rotates with A about A's centre
   scene.joints = {joint_of(JointKind::prismatic, 0, 1)};
   scene.joints[0].anchor_a = {0.2, 0.3};
   scene.joints[0].anchor_b = {-0.7, -0.4};
@@ -239,7 +240,7 @@ TEST_CASE("a body off its centre on a point spring sags by m g / k in every dire
     Scene scene = empty_scene();
     scene.bodies = {bob({0, 0}, 2, 0.1)};
     scene.bodies[0].angle = turn;
-    scene.bodies[0].angular_damping = 2;  // without damping it swings about the anchor for long
+    scene.bodies[0].angular_damping = 2;  // without damping the body swings about the anchor for a long time
     scene.joints = {joint_of(JointKind::target, 0, 0)};
     scene.joints[0].anchor_b = {0.3, 0.4};
     scene.joints[0].offset = {0, 0};

@@ -1,4 +1,4 @@
-// Joints as state: their rows come and go with bodies, motors obey inputs, images restore them.
+// Joints as state: state rows appear and disappear with bodies, motors follow inputs, images restore the rows.
 // SPDX-License-Identifier: MIT
 #include "engine/scene/input.h"
 #include "tests/support/engine_runs.h"
@@ -136,7 +136,7 @@ TEST_CASE("every kind of joint runs on with the same bits from an image", "[engi
 }
 
 TEST_CASE("each accumulated force of a joint influences the next tick", "[engine][joints][restore][determinism]") {
-  // A force without influence would not belong to the state. Forces that a kind does not use stay zero.
+  // An unused force would not belong to the state. Force columns that a kind does not use stay zero.
   Scene scene = empty_scene();
   scene.bodies = {peg({0, 0}), bob({0.5, 0}), bob({1.5, 0})};
   scene.joints = {joint_of(JointKind::prismatic, 0, 1), joint_of(JointKind::weld, 1, 2)};
@@ -182,7 +182,7 @@ TEST_CASE("an image whose joints are not those of the scene is refused", "[engin
     return !status && status.error().code == ErrorCode::corrupt && image_of(*engine) == image;
   };
   const ByteView shorter = ByteView(image).first(image.size() - schema.tables[t].row_size);
-  Bytes missing(shorter.begin(), shorter.end());  // the last row left out
+  Bytes missing(shorter.begin(), shorter.end());  // without the last row
   missing[at - 4] = 2;
   CHECK(refused(missing));
   for (const std::size_t offset : {std::size_t{4}, std::size_t{8}, std::size_t{12}}) {  // kind, body_a, body_b
@@ -198,7 +198,7 @@ TEST_CASE("solvers that know no joints refuse them and name one that does", "[en
     Scene scene = gear_scene();
     scene.settings.solver = solver.kind;
     if (!solver.substeps) scene.settings.substeps = 1;
-    if (!solver.solves_constraints)  // else the refusal is about contacts
+    if (!solver.solves_constraints)  // otherwise the refusal is about contacts
       for (Body& body : scene.bodies) body.shapes[0].filter.mask = 0;
     const auto made = engine::make_engine(scene);
     CAPTURE(solver.name);

@@ -1,8 +1,8 @@
-// Joints that are pulled far apart: by weight, by spin, by great mass ratios and from the start.
+// Joints stretched by weight, by spin, by large mass ratios, or from the start.
 // SPDX-License-Identifier: MIT
 //
-// A rigid row gives way by C = F K / w^2 (docs/physics.md, "Joints"), w = 2 pi 0.25 / h. A body that is let go swings
-// to at most twice that.
+// A rigid constraint yields by C = F K / w^2 (docs/physics.md, "Joints"), w = 2 pi 0.25 / h. A body that is released
+// swings to at most twice that.
 #include <cmath>
 
 #include "engine/builtin_scenes/builtin_scenes.h"
@@ -18,7 +18,7 @@ using engine::pi;
 
 namespace {
 
-// w^2 at four substeps.
+// w^2 with four substeps.
 constexpr double stiffness = (2 * pi * 0.25 * 4 / dt) * (2 * pi * 0.25 * 4 / dt);
 
 double widest_gap(const Scene& scene, const std::vector<BodyReport>& bodies) {
@@ -32,7 +32,7 @@ double widest_gap(const Scene& scene, const std::vector<BodyReport>& bodies) {
     const Point a = place(bodies[joint.body_a], joint.anchor_a);
     const Point b = place(bodies[joint.body_b], joint.anchor_b);
     const double gap = std::hypot(b.x - a.x, b.y - a.y);
-    if (!(gap <= widest)) widest = gap;  // takes a NaN too
+    if (!(gap <= widest)) widest = gap;  // also takes a NaN
   }
   return widest;
 }
@@ -51,7 +51,7 @@ Scene grid_of(const char* precision) {
   return *std::move(scene);
 }
 
-// The gap of one pin that carries the whole weight; swinging doubles it.
+// The gap of one revolute joint that carries the whole weight. Swinging doubles the gap.
 double grid_gap_limit() {
   const double mass = pi * 0.16;
   const double inertia = 0.5 * mass * 0.16;
@@ -59,7 +59,7 @@ double grid_gap_limit() {
   return 2 * weight * (1 / mass + 0.25 / inertia) / stiffness;
 }
 
-// Links of 1 m and 1 kg along `along` from a peg; the last has its own mass.
+// A chain from a peg in direction `along`, of links with 1 m and 1 kg. The last link has its own mass.
 Scene chain_of(Precision precision, int links, Point along, double end_mass) {
   Scene scene = empty_scene(precision);
   scene.bodies.push_back(peg({0, 0}));
@@ -133,7 +133,7 @@ TEST_CASE("a heavy mass whirls on a light arm and gains no energy", "[engine][jo
           widest = std::max(widest, widest_gap(scene, engine->bodies()));
         }
         CHECK(most <= start * 1.0001);
-        // The mass keeps its speed v at most: F = m v^2 / r, r at least 1.5 m.
+        // The mass never exceeds its speed v: F = m v^2 / r, r at least 1.5 m.
         CHECK(widest <= 2 * (mass * 1.5 * spin * spin) * 2 / stiffness);
       }
 }
@@ -163,7 +163,7 @@ TEST_CASE("a heavy weight swings on a light chain and gains no energy", "[engine
         for (const BodyReport& body : engine->bodies()) energy += 10 * body.mass * body.center.y;
         most = energy <= most ? most : energy;
       }
-      CHECK(most <= 1e-4 * 10 * 10 * end_mass);  // of a fall of the chain's length
+      CHECK(most <= 1e-4 * 10 * 10 * end_mass);  // of the energy of a fall over the length of the chain
     }
 }
 
@@ -182,13 +182,13 @@ TEST_CASE("a chain made apart at every joint draws together", "[engine][joints][
     }
     const auto engine = make_engine_or_fail(scene);
     run_ticks(*engine, 1200);
-    // It swings from level: three times its weight at the peg at most, K with arms of 0.2 m.
+    // The chain swings from level: at most three times its weight at the peg, K with arms of 0.2 m.
     CHECK(widest_gap(scene, engine->bodies()) < 2 * (3 * 40 * 10) * (2 + 2 * 0.04 * 60) / stiffness);
   }
 }
 
-// A pass over the joints moves the light body and barely the rods. With one pass per substep, six rods welded to a
-// light body of their own mass reached 1e8 m/s after half a second.
+// An iteration over the joints moves the light body and barely moves the rods. With one iteration per substep, six rods
+// welded to a light body of their own mass reached 1e8 m/s after half a second.
 TEST_CASE("rods on a light hub gain no energy", "[engine][joints][stretched]") {
   for (const double light_mass : {1.0, 0.01, 0.0001})
     for (const int count : {3, 6, 12})
@@ -221,7 +221,7 @@ TEST_CASE("rods on a light hub gain no energy", "[engine][joints][stretched]") {
                    0.5 * body.inertia * body.angular_velocity * body.angular_velocity + 10 * body.mass * body.center.y;
           return sum;
         };
-        const double most = energy() + 0.05 * count * 10 * 0.6;  // a share of the height that they fall
+        const double most = energy() + 0.05 * count * 10 * 0.6;  // a share of the energy of their fall
         bool holds = true;
         for (int tick = 0; tick < 600; ++tick) {
           REQUIRE((*made)->step({scene.settings.dt, {}}, nullptr));

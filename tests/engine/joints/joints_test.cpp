@@ -1,8 +1,9 @@
 // Joints against closed forms: pendulums, chains, sliders, motors, ropes, beams, bounded forces, conservation.
 // SPDX-License-Identifier: MIT
 //
-// h is the substep. A rigid row gives way by C = F K / w^2, w = 2 pi 0.25 / h, under a force F, K its mobility
-// (docs/physics.md, "Joints"): the limits below follow from it, and from the order of semi-implicit Euler.
+// h is the substep. Under a force F, a rigid constraint yields by C = F K / w^2, w = 2 pi 0.25 / h
+// (docs/physics.md, "Joints"). K is its inverse effective mass. The limits below follow from this yield, and from the
+// order of semi-implicit Euler.
 #include "tests/support/joints.h"
 
 #include <cmath>
@@ -23,13 +24,13 @@ double length_of(Point a, Point b) {
   return std::hypot(a.x - b.x, a.y - b.y);
 }
 
-// w^2 of rigid rows.
+// w^2 of rigid constraints.
 double stiffness_rate(int substeps) {
   const double omega = 2 * pi * 0.25 * substeps / dt;
   return omega * omega;
 }
 
-// 60 degrees, equivalent length 1 m: a point on a rod, or a body (0.8 + 0.16 / 0.8 = 1) on a pin.
+// 60 degrees, equivalent length 1 m: a point on a rod, or a body (0.8 + 0.16 / 0.8 = 1) on a revolute joint.
 Scene pendulum_scene(JointKind kind, int substeps, Precision precision) {
   const bool pinned = kind == JointKind::revolute;
   const double angle = pi / 3;
@@ -48,7 +49,7 @@ double pendulum_energy(const BodyReport& bob, double arm) {
   return 0.5 * v2 + 0.5 * 0.16 * bob.angular_velocity * bob.angular_velocity + 10 * (bob.center.y + arm);
 }
 
-// Mean time between passages from right to left, in the first 10 s.
+// Mean time between passages from right to left in the first 10 s.
 double pendulum_period(const Scene& scene) {
   const auto engine = make_engine_or_fail(scene);
   double before = engine->bodies()[1].center.x;
@@ -81,7 +82,7 @@ Scene chain_scene(int links, int substeps) {
   return scene;
 }
 
-// How far the end of a hanging chain is below its place.
+// The distance of the end of a hanging chain below its ideal place.
 double chain_sag(int links, int substeps) {
   const auto engine = make_engine_or_fail(chain_scene(links, substeps));
   run_ticks(*engine, 600);
@@ -163,7 +164,7 @@ TEST_CASE("a slider under a constant motor force has exactly its acceleration, a
           "[engine][joints][analytic]") {
   for (const Precision precision : {Precision::f32, Precision::f64}) {
     Scene scene = rail_scene(precision);
-    scene.joints[0].motor = engine::JointMotor{1000, 5};  // never reaches 1000 m/s: a force of 5 N
+    scene.joints[0].motor = engine::JointMotor{1000, 5};  // never reaches 1000 m/s: acts as a force of 5 N
     scene.joints[0].limits = engine::Range{-1, 3};
     const auto engine = make_engine_or_fail(scene);
     run_ticks(*engine, 60);
@@ -173,7 +174,7 @@ TEST_CASE("a slider under a constant motor force has exactly its acceleration, a
     CHECK(engine->bodies()[1].center.x == Approx(0.5 * 2.5 * 1 * (1 + h)).epsilon(rounding));
     CHECK(joint_value(*engine, 0, "motor_force") == Approx(5).epsilon(rounding));
     run_ticks(*engine, 240);
-    // At rest against the limit, which gives way by at most F K / w^2.
+    // At rest against the limit, which yields by at most F K / w^2.
     CHECK(engine->bodies()[1].center.x > 3 - 1e-6);
     CHECK(engine->bodies()[1].center.x < 3 + 5 * 0.5 / stiffness_rate(4) * 1.01 + 1e-6);
     CHECK(std::fabs(engine->bodies()[1].velocity.x) < 1e-5);
@@ -190,7 +191,8 @@ TEST_CASE("a slider neither turns nor leaves its axis", "[engine][joints][analyt
   const auto engine = make_engine_or_fail(scene);
   run_ticks(*engine, 60);
   const BodyReport body = engine->bodies()[1];
-  // Slides down the slope of 45 degrees with g / sqrt(2); the first jolt of 5 rad/s is taken up by the angle row.
+  // The body slides down the slope of 45 degrees at g / sqrt(2). The angle constraint absorbs the first spin of 5
+  // rad/s.
   CHECK(std::fabs(body.center.x - body.center.y) < 1e-3);
   CHECK(std::fabs(body.angle) < 1e-3);
   const double along = -(body.velocity.x + body.velocity.y) / std::sqrt(2.0);
@@ -265,8 +267,8 @@ TEST_CASE("a beam of welded boxes bends by K (F, T) / w^2 at each weld", "[engin
     run_ticks(*engine, 1200);
     return -engine->bodies().back().center.y;
   };
-  // 0.2 kg each; weld i carries the n boxes beyond it: F = n W, T = n^2 W / 2 about the weld. K couples gap and angle
-  // at the peg only, where one body moves.
+  // 0.2 kg each. Weld i carries the n boxes after it: F = n W, T = n^2 W / 2 about the weld. K couples gap and angle
+  // only at the peg, where one body moves.
   const double mass = 0.2, inertia = mass * (1 + 0.04) / 12, weight = 10 * mass;
   double sag = 0;
   for (int i = 0; i < count; ++i) {
@@ -363,7 +365,7 @@ TEST_CASE("a target joint pulls its anchor to the point with no more than its fo
   scene.joints[0].anchor_b = {0, 0.1};
   scene.joints[0].force_max = 1e4;
   scene.joints[0].spring = absolute_spring(400, 40);
-  scene.bodies[0].angular_damping = 2;  // without damping it swings about the anchor for long
+  scene.bodies[0].angular_damping = 2;  // without damping the body swings about the anchor for a long time
   const auto engine = make_engine_or_fail(scene);
   run_ticks(*engine, 600);
   const BodyReport body = engine->bodies()[0];
@@ -380,7 +382,7 @@ TEST_CASE("a target joint pulls its anchor to the point with no more than its fo
 
 TEST_CASE("two joined bodies alone keep their momentum and angular momentum", "[engine][joints][conservation]") {
   for (const auto& info : engine::joint_kinds) {
-    if (!info.traits.conserves_momentum) continue;  // holds its bodies to the world
+    if (!info.traits.conserves_momentum) continue;  // joins its bodies to the world
     CAPTURE(info.name);
     Scene scene = empty_scene();
     scene.gravity = {0, 0};
@@ -423,7 +425,7 @@ TEST_CASE("two joined bodies alone keep their momentum and angular momentum", "[
 TEST_CASE("anchors that coincide give a direction, not a NaN", "[engine][joints][analytic]") {
   for (const double length : {0.0, 1.0}) {
     for (int form = 0; form < 3; ++form) {
-      if (length == 0 && form != 1) continue;  // only springs may have no length
+      if (length == 0 && form != 1) continue;  // only springs may have length 0
       Scene scene = empty_scene();
       scene.bodies = {peg({0, 0}), bob({0, 0})};
       scene.joints = {joint_of(JointKind::distance, 0, 1)};
@@ -448,7 +450,7 @@ TEST_CASE("a kinematic body moves what is joined to it", "[engine][joints][analy
     Joint joint = joint_of(info.kind, 0, 1);
     joint.anchor_a = info.kind == JointKind::distance ? Point{0, 0} : Point{1, 0};
     joint.offset = info.kind == JointKind::target ? Point{1, 2} : Point{1, 0};
-    if (info.kind == JointKind::pulley) {  // the rope that A's side pays out, B's side takes in
+    if (info.kind == JointKind::pulley) {  // the rope moves from A's side to B's side
       joint.anchor_a = {0, 0};
       joint.ground_anchor_a = {0, 3};
       joint.ground_anchor_b = {1, -1};
@@ -464,7 +466,7 @@ TEST_CASE("a kinematic body moves what is joined to it", "[engine][joints][analy
     CHECK_FALSE(find_non_finite(engine->state()).has_value());
     CHECK(bodies[0].center.x == 0);
     CHECK(bodies[0].center.y == Approx(2));
-    // A rod of 1 m and a wheel's axis leave freedom; all others take the body along.
+    // A rod of 1 m and the axis of a wheel joint allow some motion. All other joints carry the body along.
     if (info.kind != JointKind::distance) CHECK(bodies[1].center.y == Approx(2).epsilon(0.01));
   }
 }

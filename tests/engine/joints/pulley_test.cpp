@@ -1,10 +1,10 @@
 // The pulley joint against closed forms: Atwood machines, equilibrium, swings, levers, and what scenes refuse.
 // SPDX-License-Identifier: MIT
 //
-// The rope pulls A with T and B with r T, so l_a + r l_b = const gives A the acceleration (downwards)
-//   a = g r (r m_A - m_B) / (m_B + r^2 m_A),  B -a / r,  T (1 / m_A + r^2 / m_B) = g (1 + r).
-// A rigid row gives way by C = T K / w^2, w = 2 pi 0.25 / h (docs/physics.md, "Joints"), K its mobility: g (1 + r) /
-// w^2.
+// The rope pulls A with T and B with r T. From l_a + r l_b = const, the downward acceleration of A is
+// a = g r (r m_A - m_B) / (m_B + r^2 m_A), of B -a / r, with T (1 / m_A + r^2 / m_B) = g (1 + r).
+// A rigid constraint yields by C = T K / w^2, w = 2 pi 0.25 / h (docs/physics.md, "Joints"), with its inverse effective
+// mass K: here g (1 + r) / w^2.
 #include <cmath>
 
 #include "engine/math/trig.h"
@@ -21,13 +21,13 @@ namespace {
 
 constexpr double g = 10;
 
-// How far the rope gives way under a pull that accelerates its ends, summed with the ratio, by `acceleration`.
+// The length error of the rope, summed with the ratio, if its ends accelerate by `acceleration`.
 double sag_of(const Scene& scene, double acceleration) {
   const double omega = 2 * engine::pi * 0.25 * scene.settings.substeps / dt;
   return acceleration / (omega * omega);
 }
 
-// Two bobs 5 m below their ground anchors.
+// Two weights 5 m below their ground anchors.
 Scene atwood(double mass_a, double mass_b, double ratio, Precision precision = Precision::f64) {
   Scene scene = empty_scene(precision);
   scene.bodies = {bob({-1, 0}, mass_a), bob({1, 0}, mass_b)};
@@ -73,8 +73,9 @@ TEST_CASE("an Atwood machine falls as its masses and its ratio say", "[engine][j
         run_ticks(*engine, 60);
         const auto bodies = engine->bodies();
         const double a = acceleration_of_a(3, 2, ratio);
-        // tgs_soft ends each substep with the rope at rest along itself, and m_A r v_A - m_B v_B knows no rope. pgs
-        // keeps the velocity with which the sag still grows: sag w / 10 e^(-w t / 10), w / 10 the slow root at ratio 5.
+        // tgs_soft ends each substep with the rope at rest along itself, and m_A r v_A - m_B v_B does not depend on the
+        // rope. pgs keeps the velocity at which the length error still grows: sag w / 10 e^(-w t / 10). w / 10 is the
+        // slow root at damping ratio 5.
         const double sag = 1.05 * sag_of(scene, g * (1 + ratio));
         const double slow = 2 * engine::pi * 0.25 / dt / 10;
         const double rounding = precision.kind == engine::Precision::f32 ? 2e-4 : 1e-9;
@@ -146,7 +147,7 @@ TEST_CASE("a pulley whose bodies swing keeps its length and its energy", "[engin
     scene.joints[0].length = 4.95 + ratio * 5;
     const auto engine = make_engine_or_fail(scene);
     const double before = energy_of(engine->bodies());
-    // Weight and v^2 / l pull on each side; sides stay longer than 4 m, speeds below 3 m/s.
+    // Weight and v^2 / l pull on each side. Sides stay longer than 4 m, and speeds below 3 m/s.
     const double sag = sag_of(scene, (1 + ratio) * (g + 9.0 / 4));
     double largest = 0;
     for (int tick = 0; tick < 300; ++tick) {
@@ -155,13 +156,13 @@ TEST_CASE("a pulley whose bodies swing keeps its length and its energy", "[engin
     }
     CAPTURE(ratio);
     CHECK(largest < 1.5 * sag);
-    CHECK(energy_of(engine->bodies()) == Approx(before).margin(0.01 * 2.5));  // of 2 + r / 2 J of motion
+    CHECK(energy_of(engine->bodies()) == Approx(before).margin(0.01 * 2.5));  // of 2 + r / 2 J of kinetic energy
   }
 }
 
 TEST_CASE("either end of a pulley swings as a pendulum where the other is fixed",
           "[engine][joints][pulley][conservation]") {
-  // 60 degrees, 1 m. Without the rate of lengthening the rope would stretch by 3.8 (v h)^2 / l = 0.7 mm.
+  // 60 degrees, 1 m. Without the rate of the length, the rope would stretch by 3.8 (v h)^2 / l = 0.7 mm.
   for (const std::size_t swings : {0u, 1u}) {
     Scene scene = atwood(1, 1, 2);
     const double x = swings == 0 ? -1 : 1;
@@ -171,7 +172,7 @@ TEST_CASE("either end of a pulley swings as a pendulum where the other is fixed"
     const auto engine = make_engine_or_fail(scene);
     const auto energy = [&] { return energy_of({engine->bodies()[swings]}); };
     const double before = energy();
-    const double share = swings == 0 ? 1 : 2;  // of its length in l_a + 2 l_b
+    const double share = swings == 0 ? 1 : 2;  // weight of the swinging side's length in l_a + 2 l_b
     double largest = 0;
     for (int tick = 0; tick < 600; ++tick) {
       run_ticks(*engine, 1);
@@ -188,13 +189,13 @@ TEST_CASE("a pulley turns a bar at whose end it pulls", "[engine][joints][pulley
   for (const double ratio : {1.0, 3.0}) {
     Scene scene = atwood(1, 1, ratio);
     scene.settings.substeps = 1;
-    scene.bodies[0] = peg({-1, 0});  // B hangs as on a rod
+    scene.bodies[0] = peg({-1, 0});  // B hangs as if on a rod
     scene.bodies[1].mass = engine::ExplicitMass{2, 0.5, {}};
     scene.joints[0].anchor_b = {0.5, 0};
     scene.joints[0].ground_anchor_b = {1.5, 5};
     const auto engine = make_engine_or_fail(scene);
     run_ticks(*engine, 1);
-    // The anchor stays: -g h + p / m + p s^2 / I = 0, s = 0.5 m.
+    // The anchor does not move: -g h + p / m + p s^2 / I = 0, s = 0.5 m.
     const double p = g * dt / (1 / 2.0 + 0.25 / 0.5);
     CHECK(engine->bodies()[1].velocity.y == Approx(-g * dt + p / 2).epsilon(1e-3));
     CHECK(engine->bodies()[1].angular_velocity == Approx(p * 0.5 / 0.5).epsilon(1e-3));
@@ -208,13 +209,13 @@ TEST_CASE("a side of a pulley without a length gets no impulse", "[engine][joint
   scene.joints[0].length = 5;
   const auto engine = make_engine_or_fail(scene);
   run_ticks(*engine, 1);
-  CHECK(engine->bodies()[0].velocity.y == Approx(0).margin(1e-9));  // its side alone holds it
-  CHECK(engine->bodies()[1].velocity.y == Approx(-g * dt));         // falls by 2 mm; a 200th of 5 m has a direction
+  CHECK(engine->bodies()[0].velocity.y == Approx(0).margin(1e-9));  // A's side alone holds A
+  CHECK(engine->bodies()[1].velocity.y == Approx(-g * dt));         // B's side has no direction within 2.5 cm
   run_ticks(*engine, 240);
   CHECK_FALSE(find_non_finite(engine->state()).has_value());
   CHECK(joint_gaps(scene, engine->bodies())[0].gap < 0.05);
 
-  scene.joints[0].ground_anchor_a = {-1, 0};  // neither side has one
+  scene.joints[0].ground_anchor_a = {-1, 0};  // neither side has a length
   scene.joints[0].length = 1;
   const auto loose = make_engine_or_fail(scene);
   run_ticks(*loose, 1);

@@ -1,8 +1,8 @@
-// The wavefront sweep over joints gives the bits of plain passes.
+// The wavefront sweep over joints gives the bits of plain iterations.
 // SPDX-License-Identifier: MIT
 //
-// Verified: nets with joints of every kind side by side, in both precisions, with every instruction set, on one thread
-// and several, with fronts as early and as late as allowed, and with bodies removed on the way.
+// Verified: nets with neighbouring joints of every kind; both precisions; every instruction set; one thread and
+// several; fronts as early and as late as allowed; bodies removed during the run.
 #include <atomic>
 #include <cstring>
 
@@ -18,7 +18,7 @@
 namespace ticktrue::test {
 namespace {
 
-/// What joins two neighbours of a net, in turn.
+/// The kinds of joints between neighbours of a net, in turn.
 enum class Kind : std::uint8_t { plain, limited, sprung, driven, weld, rod, rope };
 
 Joint joint_between(Kind kind, std::uint32_t a, std::uint32_t b, Point half) {
@@ -40,7 +40,7 @@ Joint joint_between(Kind kind, std::uint32_t a, std::uint32_t b, Point half) {
   return joint;
 }
 
-/// A net that hangs from three of its corners. `kinds`: of its joints, in turn.
+/// A net that hangs from three of its corners. `kinds`: the kinds of its joints, in turn.
 Scene mixed_net(Precision precision, int columns, const std::vector<Kind>& kinds) {
   Scene scene = empty_scene(precision);
   scene.inputs = {engine::InputKind::remove};
@@ -63,7 +63,7 @@ Scene mixed_net(Precision precision, int columns, const std::vector<Kind>& kinds
   return scene;
 }
 
-/// A kinematic body beside a net: it moves without joints, so that passes are plain.
+/// Adds a kinematic body beside the net. A moving body without joints disables the wavefront sweep.
 Scene without_wavefront(Scene scene) {
   scene.bodies.push_back(body_of(disc_shape(0.1), {-50, 0}, BodyType::kinematic_body));
   scene.bodies.back().shapes[0].filter = {2, 0xfffffffd, 0};
@@ -82,7 +82,7 @@ std::vector<Net> nets() {
            {Kind::plain, Kind::limited, Kind::plain, Kind::weld, Kind::sprung, Kind::rod, Kind::driven, Kind::rope}}};
 }
 
-/// The bytes of the bodies that two engines have in common, and of all joints.
+/// Compares the bytes of the bodies that both engines have, and of all joints.
 void check_same(const engine::Engine& a, const engine::Engine& b) {
   for (const char* name : {"bodies", "joints"}) {
     const std::size_t table = *a.state().schema->find_table(name);
@@ -95,7 +95,7 @@ void check_same(const engine::Engine& a, const engine::Engine& b) {
   }
 }
 
-/// `removal_tick`: a body goes then.
+/// `removal_tick`: the tick that removes a body.
 void check_wavefront(const Scene& scene, const engine::EngineOptions& options, int tick_count, int removal_tick = -1) {
   const auto wavefront = make_engine_or_fail(scene, options);
   const auto plain = make_engine_or_fail(without_wavefront(scene));

@@ -1,4 +1,4 @@
-// The built-in scenes: each is valid for every value of its parameters, and is the world it says it is.
+// The built-in scenes: each is valid for all values of its parameters, and matches its description.
 // SPDX-License-Identifier: MIT
 #include "engine/builtin_scenes/builtin_scenes.h"
 
@@ -239,7 +239,7 @@ TEST_CASE("anchors of built-in joints meet at the start", "[engine][builtin_scen
     CHECK(worst < 1e-24);
   }
   const Scene grid = made("joint_grid");
-  CHECK(grid.joints.size() == 19800 - 6);  // none between two pegs
+  CHECK(grid.joints.size() == 19800 - 6);  // no joint between two pegs
   CHECK(dynamic_count(grid) == 10000 - 7);
   CHECK(grid.bodies[4700].type == BodyType::static_body);
   CHECK(grid.bodies[5300].type == BodyType::static_body);

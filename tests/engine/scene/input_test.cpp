@@ -26,7 +26,7 @@ Scene open_scene() {
   return scene;
 }
 
-/// One input of each kind but `end`, with all that counts set.
+/// One input of each kind except `end`, with all relevant fields set.
 std::vector<Input> one_of_each() {
   std::vector<Input> inputs;
   for (const InputInfo& info : input_kinds) {
@@ -95,7 +95,7 @@ TEST_CASE("inputs that are cut anywhere are refused, unless between two inputs",
     else
       CHECK(decode_inputs(scene, ByteView(bytes).first(size), back).error().code == ErrorCode::invalid_input);
   }
-  CHECK(accepted == one_of_each().size());  // the empty one included, the whole one not
+  CHECK(accepted == one_of_each().size());  // the empty prefix is accepted, the whole sequence is not counted
 }
 
 TEST_CASE("inputs that break a rule are refused with their place", "[engine][input][corruption]") {

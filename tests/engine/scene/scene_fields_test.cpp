@@ -1,9 +1,9 @@
-// The list of fields beside what is written by hand: JSON Schema, docs/scenes.md and docs/engine_setup.md.
+// Compares the list of scene fields with hand-written text: JSON Schema, docs/scenes.md and docs/engine_setup.md.
 // SPDX-License-Identifier: MIT
 //
 // Verified: keys, ranges and defaults in the schema; keys and defaults in docs/scenes.md; names, order and types of the
-// binary form in docs/engine_setup.md; every random world and built-in scene comes back from both forms. Not verified:
-// the descriptions.
+// binary form in docs/engine_setup.md; round trips of every random world and built-in scene through both forms.
+// Not verified: the descriptions.
 #include "engine/scene/scene_fields.h"
 
 #include <algorithm>
@@ -41,7 +41,7 @@ using Plain = std::remove_cvref_t<Value>;
 
 // ---- JSON Schema ----
 
-/// The rule of a key, with the definitions that it refers to.
+/// The rule of a key, with the definitions that the rule refers to.
 json rule_of(const json& schema, const std::string& definition, const std::string& key) {
   const json& defs = schema["$defs"];
   CAPTURE(definition, key);
@@ -71,7 +71,7 @@ json json_of(const Value& value) {
 template <typename Value>
 void check_rule(const json& rule, FieldRange range, const Value& default_value) {
   if constexpr (is_number<Value>) {
-    if (rule.contains("enum") || rule.contains("anyOf")) return;  // powers of two; several forms
+    if (rule.contains("enum") || rule.contains("anyOf")) return;  // powers of two, or several forms
     CHECK(rule["maximum"] == range.max);
     CHECK((rule.contains("minimum") ? rule["minimum"] : rule["exclusiveMinimum"]) == range.min);
   }
@@ -83,7 +83,7 @@ void check_rule(const json& rule, FieldRange range, const Value& default_value) 
 
 template <typename Element>
 void check_rule(const json& rule, FieldRange range, const std::vector<Element>&) {
-  if (rule.contains("maxItems")) CHECK(rule["maxItems"] <= range.max);  // a kind may have fewer
+  if (rule.contains("maxItems")) CHECK(rule["maxItems"] <= range.max);  // a kind may allow fewer
 }
 template <typename Value>
 void check_rule(const json& rule, FieldRange range, const std::optional<Value>&) {
@@ -134,7 +134,7 @@ std::string trimmed(std::string text) {
   return text.erase(text.find_last_not_of(' ') + 1);
 }
 
-/// The rows of the tables after `begin` and before `end`, or of the first one alone where `end` is empty.
+/// The rows of the tables between `begin` and `end`. With an empty `end`, the rows of the first table only.
 std::vector<Row> rows_between(const std::string& text, const std::string& begin, const std::string& end) {
   const std::size_t first = text.find(begin);
   CAPTURE(begin);
@@ -169,10 +169,11 @@ std::string default_text(const Value& value) {
   if constexpr (std::is_enum_v<Value>)
     return "`\"" + std::string(info_of(Tables::of(value), value).name) + "\"`";
   else
-    return "";  // in words
+    return "";  // described in words
 }
 
-/// Each key stands in the first column of a row, and its default in the second: there is one for all keys, or one each.
+/// Each key is in the first column of a row. Its default is in the second column, which has one default for all keys or
+/// one for each.
 template <typename Struct>
 void check_documented(const std::vector<Row>& rows) {
   const Struct unset;
@@ -192,7 +193,7 @@ void check_documented(const std::vector<Row>& rows) {
 
 // ---- The binary form ----
 
-/// Name and type of the stored values, in order. Empty type: words explain it.
+/// Name and type of the stored values, in order. Empty type: text explains the value.
 struct BinaryRows {
   std::vector<std::pair<std::string, std::string>> rows;
 
@@ -292,7 +293,7 @@ TEST_CASE("docs/scenes.md has the keys and defaults of the list of fields", "[en
     const std::vector<Row> rows = rows_between(text, begin, end);
     for (const auto& row : table) {
       const std::string kind = "`" + std::string(row.name) + "`";
-      std::string general;  // keys that the rows of some other table explain
+      std::string general;  // keys that another table explains
       std::string own;
       for (const Row& line : rows) (line[0] == kind ? own : general) += line[0] + line[1];
       for (const auto& entry : row.keys) {

@@ -40,7 +40,7 @@ std::string json_refusal(const std::string& text) {
   return scene.error().message + (scene.error().hint.empty() ? "" : "\n" + scene.error().hint);
 }
 
-/// A scene with one body, whose JSON is given.
+/// The refusal of a scene with one body, given as JSON.
 std::string body_refusal(const std::string& body) {
   return json_refusal("{\"bodies\": [" + body + "]}");
 }
@@ -89,7 +89,7 @@ TEST_CASE("a scene with everything in it comes back from its JSON with the same 
   if (!back) FAIL(back.error().message);
   CHECK(*back == scene);
   CHECK(encode_scene(*back) == encode_scene(scene));
-  // Without names, bodies are referred to by their indices.
+  // Without names, indices refer to bodies.
   Scene nameless = scene;
   for (Body& body : nameless.bodies) body.name = "";
   const auto again = parse_scene(print_scene(nameless), "s.json");
@@ -125,7 +125,7 @@ TEST_CASE("joints and forces refer to bodies by index or name, wherever these st
 }
 
 TEST_CASE("an anchor in world coordinates becomes one in each body's frame", "[engine][scene_json][analytic]") {
-  // Body a stands at (1, 2) and is turned by 0.5 rad: (2, 2) is 1 m along its frame turned back.
+  // Body a is at (1, 2) with an angle of 0.5 rad. The point (2, 2) is 1 m away, rotated back into the body's frame.
   const auto scene =
       parse_scene(with_two_bodies("joints", R"({"type":"revolute","body_a":"a","body_b":1,"anchor":[2,2]})"), "s");
   if (!scene) FAIL(scene.error().message);
@@ -419,7 +419,7 @@ TEST_CASE("the JSON Schema and the parser know the same keys and names", "[engin
     for (const auto& item : object["properties"].items()) keys.insert(item.key());
     return keys;
   };
-  // The parser's keys: its refusal of an unknown key lists them.
+  // The parser's keys, from the list in its message about an unknown key.
   const auto parser_keys = [](const std::string& message) {
     REQUIRE_THAT(message, Contains("unknown key: found \"?\", expected "));
     std::string list = message.substr(message.find("expected ") + 9);
@@ -438,7 +438,7 @@ TEST_CASE("the JSON Schema and the parser know the same keys and names", "[engin
   CHECK(parser_keys(json_refusal("{\"settings\":{\"substeps\":{\"?\":0}}}")) == keys_of(defs["auto_substeps"]));
   CHECK(parser_keys(json_refusal("{\"settings\":{\"sleep\":{\"?\":0}}}")) == keys_of(defs["sleep"]));
   CHECK(parser_keys(shape_refusal("{\"type\":\"circle\",\"filter\":{\"?\":0}}")) == keys_of(defs["filter"]));
-  // One valid value for each key that some kind needs.
+  // A valid value for each key that some kind requires.
   const std::map<std::string, std::string> samples{{"radius", "1"},
                                                    {"half_size", "[1,1]"},
                                                    {"vertices", "[[0,0],[1,0],[0,1]]"},
@@ -456,7 +456,7 @@ TEST_CASE("the JSON Schema and the parser know the same keys and names", "[engin
                                                    {"stiffness", "1"},
                                                    {"velocity", "[0,0]"},
                                                    {"coefficient", "1"}};
-  // Without any one of the keys that the schema requires, an object is refused for just that.
+  // If one of the required keys is missing, an object is refused for this key.
   const auto check_required = [&](const json& rule, const std::string& kind, const std::string& place,
                                   const std::function<std::string(std::string)>& refusal_of) {
     for (const json& missing : rule["required"]) {
@@ -527,7 +527,7 @@ TEST_CASE("the JSON Schema and the parser know the same keys and names", "[engin
 TEST_CASE("the JSON Schema states the limits that hold", "[engine][scene_json][equivalence]") {
   const json schema = json::parse(file_text(scenes_folder / "scene.schema.json"));
   const json& defs = schema["$defs"];
-  // A number at a limit of the schema is accepted, one just beyond it refused.
+  // A number at a limit of the schema is accepted; a number just beyond the limit is refused.
   const auto scene_with = [](const std::string& body_keys, const std::string& shape_keys, const std::string& keys) {
     return "{\"bodies\":[{" + body_keys + "\"shapes\":[{\"type\":\"circle\"," + shape_keys + "}]}]" + keys + "}";
   };
@@ -544,7 +544,7 @@ TEST_CASE("the JSON Schema states the limits that hold", "[engine][scene_json][e
     }
   };
   for (const auto& item : defs["settings"]["properties"].items()) {
-    if (item.key() == "substeps" || item.key() == "iterations") continue;  // whole
+    if (item.key() == "substeps" || item.key() == "iterations") continue;  // integers
     check_limits(item.value(), item.key(), [&](const std::string& v) {
       return scene_with("", "\"radius\":1", ",\"settings\":{\"" + item.key() + "\":" + v + "}");
     });

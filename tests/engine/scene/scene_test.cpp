@@ -1,4 +1,4 @@
-// What a scene must be: every rule of check_scene, and what may collide.
+// The rules of a valid scene: every rule of check_scene, and the rules of collision.
 // SPDX-License-Identifier: MIT
 #include "engine/scene/scene.h"
 
@@ -39,7 +39,7 @@ Shape box() {
   return shape;
 }
 
-/// A scene that uses everything.
+/// A scene that uses every feature.
 Scene whole_scene() {
   Scene scene;
   scene.name = "whole";
@@ -257,7 +257,7 @@ TEST_CASE("joints, forces, lines and clocks that break a rule are refused with t
     ErrorCode code = ErrorCode::invalid_scene;
   };
   constexpr double nan = std::numeric_limits<double>::quiet_NaN();
-  // Joints and forces stand in the order of their kinds; shapes of body 0: circle, box, polygon, capsule, segment,
+  // Joints and forces are in the order of their kinds. The shapes of body 0 are circle, box, polygon, capsule, segment,
   // chain.
   const std::vector<Case> cases{
       {"x.json: joints: too many: found 200001, expected at most 200000", [](Scene& s) { s.joints.resize(200'001); },
@@ -520,7 +520,7 @@ TEST_CASE("shapes can collide exactly if a dynamic body and another one can exis
 
   scene.bodies = {ground};
   scene.prototypes = {ball, lift};
-  CHECK_FALSE(can_collide(scene));  // no input is declared that could spawn them
+  CHECK_FALSE(can_collide(scene));  // no declared input can spawn the prototypes
   scene.inputs = {InputKind::press, InputKind::drag, InputKind::release};
   scene.pointer.emplace();
   CHECK_FALSE(can_collide(scene));
@@ -533,7 +533,7 @@ TEST_CASE("shapes can collide exactly if a dynamic body and another one can exis
   CHECK(can_collide(scene));
   scene.bodies.clear();
   scene.prototypes = {ball};
-  CHECK(can_collide(scene));  // with itself
+  CHECK(can_collide(scene));  // a prototype can collide with another copy of itself
 }
 
 TEST_CASE("a pointer needs a solver that pulls, even where nothing collides", "[engine][scene][analytic]") {
@@ -596,11 +596,11 @@ TEST_CASE("a changed byte of a scene in binary is refused or gives a scene that 
 
 TEST_CASE("a count that cannot be is refused before memory is taken", "[engine][scene_binary][corruption]") {
   const Bytes whole = encode_scene(whole_scene());
-  // The bodies' count follows version, name (4 + 5) and 80 bytes of settings and gravity.
+  // The count of bodies follows version, name (4 + 5) and 80 bytes of settings and gravity.
   const std::size_t offset = 2 + 4 + 5 + (1 + 8 + 4 + 1 + 4 + 5 + 8 + 4) + (1 + 4 + 3 * 8) + 16;
   Bytes changed = whole;
   REQUIRE(changed[offset] == 4);
-  changed[offset] = 5;  // the bytes behind the last body are read as a body
+  changed[offset] = 5;  // the bytes after the last body are read as a body
   CHECK_FALSE(decode_scene(changed));
   for (int i = 0; i < 4; ++i) changed[offset + i] = static_cast<std::uint8_t>(200'000 >> (8 * i));
   CHECK(decode_scene(changed).error().code == ErrorCode::corrupt);

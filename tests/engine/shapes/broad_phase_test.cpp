@@ -1,4 +1,5 @@
-// Broad phases against the definition: every pair that may touch, once, in order; and the same bits from all of them.
+// Broad phases against the definition: every pair that may touch is listed once, in order. All broad phases give equal
+// bits.
 // SPDX-License-Identifier: MIT
 #define TICKTRUE_PRECISION f64
 #include "engine/broad_phase/broad_phase.h"
@@ -33,7 +34,7 @@ void poison(f64::TickLists& lists) {
 struct Listing : f64::TickLists {
   f64::BroadPhaseWork work;
 };
-/// The lists of a tree that is used tick after tick.
+/// The lists of a tree that runs for several ticks.
 struct Following : f64::TickLists {
   f64::AabbTree tree;
 
@@ -71,7 +72,7 @@ Scene scattered(std::uint64_t seed, int count, double half_width, double size_mi
   return scene;
 }
 
-/// Boxes in one place. In the order of ids: dynamic, static, dynamic.
+/// Boxes at one place. The order of ids is dynamic, static, dynamic.
 Scene coincident(int static_count, int dynamic_count) {
   Scene scene = empty_scene();
   for (int i = 0; i < static_count + dynamic_count; ++i) {
@@ -90,7 +91,7 @@ Scene tiny_on_huge(int count) {
   return scene;
 }
 
-/// Half of the bodies get up to so many metres per second, every seventh is a bullet.
+/// Half of the bodies get up to `speed` m/s; every seventh body is a bullet.
 Scene flung(Scene scene, double speed) {
   Random random(9);
   for (std::size_t i = 0; i < scene.bodies.size(); ++i) {
@@ -141,7 +142,7 @@ TEST_CASE("every broad phase gives each pair of overlapping boxes once, in order
     const Pairs touching = pairs_of(expected);
     for (const auto& info : engine::broad_phases) {
       if (info.kind == engine::BroadPhaseKind::bounding_circle)
-        continue;  // lists another superset of the touching pairs
+        continue;  // this broad phase lists another superset of the touching pairs
       CAPTURE(c.name, info.name);
       const std::unique_ptr<f64::Stage> stage = f64::make_broad_phase(info.kind);
       f64::TickLists found;
@@ -156,7 +157,7 @@ TEST_CASE("every broad phase gives each pair of overlapping boxes once, in order
   }
 }
 
-/// Whether the cached pairs are those of brute force and a few more, whose boxes nearly overlap.
+/// Whether the cached pairs are those of brute force, plus some pairs whose boxes nearly overlap.
 bool contain_those_of(const f64::Model& model, const f64::State& state, const f64::TickLists& cached,
                       const Listing& expected) {
   const Pairs found = pairs_of(cached);
@@ -191,7 +192,7 @@ TEST_CASE("the cached tree gives the pairs of brute force while bodies crawl, ju
       for (f64::BodyRow& body : state.bodies) {
         if (model.bodies[body.source].type == BodyType::static_body) continue;
         const double size = model.bodies[body.source].extent;
-        // Most bodies rest or move within the margins of their boxes, some crawl, a few jump far.
+        // Most bodies rest or move within the margins of their boxes. Some move slowly, and a few jump far.
         const double crawl = random.below(3) == 0 ? 0.02 : random.below(2) == 0 ? 1e-4 : 0;
         const double step = tick % 60 >= 57 ? 0.5 : tick % 7 == 3 ? 1e-5 : random.below(40) == 0 ? 3 : crawl;
         body.position = {body.position.x + size * step * random.real(-1, 1),
@@ -235,7 +236,7 @@ TEST_CASE("the margin of boxes does not count against the limit of pairs", "[eng
       for (const std::size_t too_few : {0, 1}) {
         Following limited = cached;
         limited.pair_count_max = expected.pairs.size() - too_few;
-        limited.tree.pair_list().invalidate();  // the list must be built again
+        limited.tree.pair_list().invalidate();  // the list must be rebuilt
         if (by_cells) limited.tree.pair_list().suspend();
         limited.list(model, state, dt);
         CAPTURE(tick, by_cells, too_few);
@@ -350,7 +351,7 @@ TEST_CASE("neighbouring cells bear boxes without numbers", "[engine][broad_phase
   f64::list_sorted(all, all.work, all.proxies.size());
   const bool same = pairs_of(all) == expected;
   CHECK(same);
-  for (std::size_t i = 200; i < 400; ++i) boxes[i].lower.x = nan;  // more than may be large
+  for (std::size_t i = 200; i < 400; ++i) boxes[i].lower.x = nan;  // more boxes than may be large
   side = 0;
   CHECK(f64::list_by_cells(all, all.work, all.proxies, boxes, side) == f64::CellListing::unsuited);
 }

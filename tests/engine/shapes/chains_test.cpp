@@ -1,4 +1,5 @@
-// Small fast bodies on chains: no joint of a level chain is felt, walls and floors of small edges still stop them.
+// Small fast bodies on chains: a vertex of a level chain has no effect, and walls and floors of small edges stop
+// bodies.
 // SPDX-License-Identifier: MIT
 #include <cmath>
 #include <vector>
@@ -88,7 +89,7 @@ TEST_CASE("small fast bodies slide over the joints of a loop's flat top", "[engi
 }
 
 TEST_CASE("small fast bodies shot at a floor and walls of short edges stay in", "[engine][shapes][chains]") {
-  // A room of 6 m by 4 m, clockwise; elastic so that they come back to every corner.
+  // A room of 6 m by 4 m, clockwise. Contacts are elastic, so bodies return to every corner.
   std::vector<Point> room;
   const auto line_to = [&](Point from, Point to) {
     for (int i = 0; i < 20; ++i) room.push_back({from.x + (to.x - from.x) * i / 20, from.y + (to.y - from.y) * i / 20});
@@ -123,8 +124,9 @@ TEST_CASE("small fast bodies shot at a floor and walls of short edges stay in", 
 }
 
 TEST_CASE("over convex hills of a chain bodies without friction keep their energy", "[engine][shapes][chains]") {
-  // Slopes of 1:20. At each of the three corners the velocity turns by 0.1 rad at most, there or on landing: the energy
-  // along the normal, sin^2(0.1) = 1 % of it all, may be lost, and a little again where a body lands on one end first.
+  // Slopes of 1:20. At each of the three corners the velocity turns by at most 0.1 rad, there or on landing. The energy
+  // along the normal may be lost, sin^2(0.1) = 1 % of the total. A body that lands on one end first loses a little
+  // more.
   const std::vector<Point> hill{{60, 0}, {12, 0}, {9, 0.15}, {6, 0.0}, {0, 0}};
   for (const Precision precision : {Precision::f32, Precision::f64})
     for (const double size : {0.02, 0.1, 0.5})

@@ -1,4 +1,4 @@
-// Hulls: what is accepted, in which order it comes out, what is refused and why; masses against closed forms.
+// Hulls: accepted input, order of corners, refusals with reasons, and masses against closed forms.
 // SPDX-License-Identifier: MIT
 #include "engine/scene/hull.h"
 
@@ -83,7 +83,7 @@ TEST_CASE("a hull is the same for every order of its points", "[engine][hull][eq
   for (int trial = 0; trial < 300; ++trial) {
     const int count = 3 + static_cast<int>(random.below(14));
     std::vector<Point> points;
-    // On an ellipse at distinct angles: strictly convex whatever the angles.
+    // Points of an ellipse at distinct angles, which are always strictly convex.
     for (int i = 0; i < count; ++i) {
       const SinCos s = sin_cos(2 * pi * (i + random.real(-0.35, 0.35)) / count);
       points.push_back({500 + 3 * s.cos, -70 + 1.3 * s.sin});
@@ -184,7 +184,7 @@ TEST_CASE("masses of capsules and rounded hulls are those of a fine numerical su
   plank.angle = 0.7;
   plank.radius = 0.3;
   for (const Shape& shape : {capsule({-1, 2}, {2, 3}, 0.5), capsule({0, 0}, {0.1, 0}, 2), wedge, plank}) {
-    // Strips of thickness t across, each with its exact length: the error falls as t^1.5 at round ends.
+    // Thin strips of thickness t, each with its exact length. The error falls as t^1.5 at round ends.
     std::vector<Point> core = core_of(shape);
     Point lower = core[0], upper = core[0];
     for (const Point& p : core) {
@@ -197,7 +197,7 @@ TEST_CASE("masses of capsules and rounded hulls are those of a fine numerical su
     double area = 0, first_x = 0, first_y = 0, second = 0;
     for (int i = 0; i < count; ++i) {
       const double y = lower.y - r + (i + 0.5) * t;
-      // The strip is the union over all core points of the width of their circles: ends by the outermost ones.
+      // The strip is the union of the circles of all core points, so the outermost circles determine its ends.
       double left = 1e300, right = -1e300;
       const auto look = [&](double x, double core_y) {
         const double reach = r * r - (y - core_y) * (y - core_y);
@@ -210,7 +210,7 @@ TEST_CASE("masses of capsules and rounded hulls are those of a fine numerical su
         look(a.x, a.y);
         const double size = std::hypot(b.x - a.x, b.y - a.y);
         const double nx = (b.y - a.y) / size, ny = (a.x - b.x) / size;
-        for (const double side : {1.0, -1.0}) {  // the edge moved out by r, where it crosses the strip
+        for (const double side : {1.0, -1.0}) {  // the edge moved outwards by r, where it crosses the strip
           const double ay = a.y + side * ny * r, by = b.y + side * ny * r;
           if (ay == by || (y - ay) * (y - by) > 0) continue;
           const double x = a.x + side * nx * r + (y - ay) / (by - ay) * (b.x - a.x);

@@ -1,4 +1,4 @@
-// More pairs of shapes than a tick may have: every broad phase stops in the same tick with the same words.
+// Too many pairs of shapes in a tick: every broad phase stops in the same tick with the same message.
 // SPDX-License-Identifier: MIT
 #include <algorithm>
 #include <optional>
@@ -17,7 +17,7 @@ namespace {
 using engine::BroadPhaseKind;
 using engine::EngineOptions;
 
-/// Bodies without gravity that meet in one place after `tick_count` ticks.
+/// Bodies without gravity that meet at one place after `tick_count` ticks.
 Scene meeting(int count, int tick_count, double radius, Precision precision = Precision::f64) {
   Scene scene = empty_scene(precision);
   scene.name = "meeting";
@@ -39,7 +39,7 @@ Scene coincident_discs(int count, Precision precision) {
   return scene;
 }
 
-/// The pairs that each of these ticks looks at.
+/// The number of pairs in each of these ticks.
 std::vector<std::size_t> pair_counts(Scene scene, int tick_count) {
   scene.settings.broad_phase = BroadPhaseKind::brute_force;
   const auto engine = make_engine_or_fail(scene);
@@ -52,7 +52,7 @@ std::vector<std::size_t> pair_counts(Scene scene, int tick_count) {
 }
 
 struct Stop {
-  int tick = -1;  // none
+  int tick = -1;  // none failed
   std::string message;
 };
 
@@ -63,7 +63,7 @@ Stop run(const Scene& scene, const EngineOptions& options, int tick_count) {
     const Status did = engine->step(input, nullptr);
     if (did) continue;
     CHECK(did.error().code == ErrorCode::limit);
-    // Later ticks fail alike.
+    // Later ticks fail in the same way.
     CHECK(engine->accept(input).error().message == did.error().message);
     const std::uint64_t hash = root_hash(engine->state());
     CHECK(engine->step(input, nullptr).error().message == did.error().message);
@@ -88,7 +88,7 @@ TEST_CASE("every broad phase stops in the tick that has one pair more than may b
     const std::vector<std::size_t> counts = pair_counts(scene, tick_count);
     const auto most = std::max_element(counts.begin(), counts.end());
     REQUIRE(*most > counts[0]);
-    const std::size_t early = counts[0];  // allowed: the tick that first has more is the one that stops
+    const std::size_t early = counts[0];  // the limit: the first tick with more pairs fails
     const auto first_above = [&](std::size_t allowed) {
       return static_cast<int>(
           std::find_if(counts.begin(), counts.end(), [&](std::size_t count) { return count > allowed; }) -
@@ -116,7 +116,7 @@ TEST_CASE("every broad phase stops in the tick that has one pair more than may b
 }
 
 TEST_CASE("a limit that is just enough changes no bit", "[engine][broad_phase][hostile][determinism]") {
-  // The tree then lists no pairs of fat AABBs: there are more of them than pairs that the limit counts.
+  // The tree then lists no pairs of fat AABBs, because there are more of them than of the pairs that the limit counts.
   constexpr int tick_count = 24;
   const Scene scene = meeting(150, 12, 0.1);
   const std::vector<std::size_t> counts = pair_counts(scene, tick_count);
@@ -136,9 +136,9 @@ TEST_CASE("a limit that is just enough changes no bit", "[engine][broad_phase][h
 }
 
 TEST_CASE("a limit that is just enough holds where boxes have a margin", "[engine][broad_phase][hostile]") {
-  // Two discs each approach each other, until all leave their fat AABBs in one tick. The tree is then rebuilt, more fat
-  // AABBs overlap than the limit allows, and the gaps are smaller than the margins. Other discs lie beside a static
-  // disc: their boxes overlap all the time, so that the limit is not too small.
+  // Pairs of discs approach each other, until all discs leave their fat AABBs in one tick. The tree is then rebuilt.
+  // More fat AABBs overlap than the limit allows, and the gaps are smaller than the margins. Other discs are beside a
+  // static disc. Their boxes always overlap, so the limit is not too small.
   constexpr int couple_count = 12;
   constexpr double radius = 0.5;
   for (const double step : {2e-4, 3e-4, 4e-4}) {
@@ -179,7 +179,7 @@ TEST_CASE("5,000 shapes in one place end the run in its first tick", "[engine][h
       CHECK(stop.tick == 0);
       CHECK(stop.message == "tick 0: pairs of shapes near each other: found more than 225568, expected at most 225568");
     }
-  // Shapes that filters separate are no pairs, nor are sensors.
+  // Filtered shapes and sensors form no pairs.
   Scene scene = coincident_discs(5000, Precision::f32);
   for (Body& body : scene.bodies) body.shapes[0].filter.group = -1;
   CHECK(run(scene, {}, 2).tick == -1);

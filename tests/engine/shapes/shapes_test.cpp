@@ -1,4 +1,4 @@
-// Every shape, filter, sensor, event and surface of the engine against geometry by brute force and closed forms.
+// Every shape, filter, sensor, event and surface of the engine, against brute-force geometry and closed forms.
 // SPDX-License-Identifier: MIT
 #include <array>
 #include <cmath>
@@ -130,7 +130,7 @@ Body chain_ground(std::vector<Point> points) {
   return body_of(chain_shape(std::move(points)), {0, 0}, BodyType::static_body);
 }
 
-// The same edges as shapes of their own.
+// The same edges as separate shapes.
 Body segment_ground(const std::vector<Point>& points) {
   Body body = body_of(segment_shape(points[0], points[1]), {0, 0}, BodyType::static_body);
   for (std::size_t i = 1; i + 1 < points.size(); ++i) body.shapes.push_back(segment_shape(points[i], points[i + 1]));
@@ -147,15 +147,15 @@ TEST_CASE("contacts of disjoint shapes have the distance and direction of brute 
     int checked = 0;
     for (int trial = 0; trial < 1500; ++trial) {
       const int family_a = trial % family_count, family_b = trial / family_count % family_count;
-      if (family_a == 2 && family_b == 2) continue;  // lines do not meet
-      if (family_a == 4 && family_b == 4) continue;  // two sharp corners have no rounding to touch with
+      if (family_a == 2 && family_b == 2) continue;  // lines do not collide
+      if (family_a == 4 && family_b == 4) continue;  // two sharp hulls have no rounding that could touch
       Body a = with_mass(body_of(random_shape(family_a, random), {random.real(-2, 2), random.real(-2, 2)}));
       Body b = with_mass(body_of(random_shape(family_b, random), {}));
       a.angle = random.real(-3, 3);
       b.angle = random.real(-3, 3);
       const engine::SinCos direction = engine::sin_cos(random.real(-3.1, 3.1));
       b.position = {a.position.x + 9 * direction.cos, a.position.y + 9 * direction.sin};
-      // Moving B along the closest direction keeps the closest points and shortens the distance.
+      // Moving B along the closest direction keeps the closest points and reduces the distance.
       const Gap far = gap_of(placed(a), placed(b));
       const double move = far.distance - a.shapes[0].radius - b.shapes[0].radius - random.real(0.0001, 0.003);
       b.position.x = rounded_to(precision, b.position.x - move * far.from_a.x / far.distance);
@@ -171,7 +171,7 @@ TEST_CASE("contacts of disjoint shapes have the distance and direction of brute 
       double least = contact.separation[0];
       if (contact.point_count == 2) least = std::fmin(least, contact.separation[1]);
       CHECK(std::fabs(least - separation) < limit);
-      // Cores nearer than rounding have no direction that could be measured.
+      // The direction of cores nearer than rounding cannot be measured.
       const double direction_limit = 8 * limit / std::fmin(1, near.distance);
       CHECK(std::fabs(contact.normal.x - near.from_a.x / near.distance) < direction_limit);
       CHECK(std::fabs(contact.normal.y - near.from_a.y / near.distance) < direction_limit);
@@ -202,7 +202,7 @@ TEST_CASE("a capsule lies and a rounded box stands at its radius above the groun
       CHECK(std::fabs(body.angle) < 1e-3);
       return body.center.y;
     };
-    const double slop = 0.005 * 0.6;  // of the smallest of the shapes
+    const double slop = 0.005 * 0.6;  // of the smallest shape
     CHECK(std::fabs(height_of(capsule_shape({-0.5, 0}, {0.5, 0}, 0.3), 0.3) - 0.3) < slop);
     Shape rounded = box_shape(0.4, 0.3);
     rounded.radius = 0.1;
@@ -277,7 +277,7 @@ TEST_CASE("what slides or rolls over the joints of a level chain does not feel t
       CHECK(std::fabs(x - 92) < 1e-3);
     }
   }
-  // A rolling disc is as on one long edge.
+  // A rolling disc moves as on one long edge.
   Body roller = body_of(disc_shape(0.5), {});
   roller.angular_velocity = -20;
   const auto rolled = run(chain_ground(points), roller, Precision::f64);
@@ -289,12 +289,12 @@ TEST_CASE("what slides or rolls over the joints of a level chain does not feel t
   Shape box = box_shape(0.5, 0.5);
   box.material.friction = 0;
   const auto snagged = run(segment_ground(points), body_of(box, {}), Precision::f64);
-  CHECK(std::fabs(snagged[0] - 10) > 0.1);  // the ends of segments do stop it
+  CHECK(std::fabs(snagged[0] - 10) > 0.1);  // the ends of the segments stop the disc
 }
 
 TEST_CASE("down a slope of many edges the speed without friction is g t sin(slope)", "[engine][shapes][analytic]") {
   for (const Precision precision : {Precision::f32, Precision::f64}) {
-    // 720 additions of up to 9 m/s, each rounded; in f32 also the normals of the edges, to 1e-6.
+    // 720 rounded additions of up to 9 m/s. In f32 also the normals of the edges, accurate to 1e-6.
     const double limit = precision == Precision::f32 ? 1e-5 : 1e-12;
     for (const double length : {1.0, 0.1})
       for (Shape shape : {disc_shape(0.5), box_shape(0.5, 0.5), capsule_shape({-0.3, 0}, {0.3, 0}, 0.5)}) {
@@ -319,8 +319,8 @@ TEST_CASE("down a slope of many edges the speed without friction is g t sin(slop
 
 TEST_CASE("a box slides through a valley and over a hill of a chain without a jump of its speed",
           "[engine][shapes][conservation]") {
-  // Slopes of 1:20. At each corner the velocity turns by 0.05 rad (0.1 at the two in the middle). Its component along
-  // the new normal, at most 0.1 v, is lost: at most 0.5 (0.1 v)^2 of the energy, which is 1 % at a corner.
+  // Slopes of 1:20. At each corner the velocity turns by 0.05 rad (0.1 rad at the two in the middle). Its component
+  // along the new normal is lost, at most 0.1 v. That is at most 0.5 (0.1 v)^2 of the energy, or 1 % at a corner.
   Scene scene = empty_scene();
   scene.bodies = {chain_ground({{40, 0}, {30, 0}, {25, 0.25}, {20, 0}, {15, -0.25}, {10, 0}, {0, 0}})};
   Shape box = box_shape(0.5, 0.5);
@@ -347,11 +347,11 @@ TEST_CASE("a body of segments alone moves by its stated mass", "[engine][shapes]
   CHECK(engine->bodies()[1].inertia == 0.5);
   run_ticks(*engine, 240);
   const BodyReport body = engine->bodies()[1];
-  CHECK(body.center.y > 0.3);  // it stands on two ends, or one
+  CHECK(body.center.y > 0.3);  // the body stands on two ends, or on one
   CHECK(body.center.y < 0.51);
 
   scene.bodies[1].mass->inertia.reset();
-  CHECK_FALSE(engine::make_engine(scene).has_value());  // nothing gives it an inertia
+  CHECK_FALSE(engine::make_engine(scene).has_value());  // nothing gives the body an inertia
   scene.bodies[1].mass.reset();
   CHECK_FALSE(engine::make_engine(scene).has_value());
 }
@@ -385,8 +385,8 @@ TEST_CASE("filters let meet exactly whom groups, else categories and masks, allo
 
 TEST_CASE("a sensor sees a ball from the tick it enters to the tick it has left, and does not touch it",
           "[engine][shapes][analytic]") {
-  // At the start of tick k the ball is at 2.01 - 3 (k - 1) / 60. It overlaps the sensor, of -1..0, with its radius
-  // 0.25 while -1.25 <= y <= 0.25.
+  // At the start of tick k the ball is at 2.01 - 3 (k - 1) / 60. Its radius is 0.25, and the sensor spans -1..0. They
+  // overlap while -1.25 <= y <= 0.25.
   for (const bool sensor_first : {true, false}) {
     Scene scene = empty_scene();
     scene.gravity = {0, 0};
@@ -461,14 +461,14 @@ TEST_CASE("contacts begin with the first overlap and end with the last, or with 
 }
 
 TEST_CASE("a conveyor brings a box to its speed at mu g", "[engine][shapes][analytic]") {
-  // Counter-clockwise along the upper side of a belt is to the left.
+  // On the upper side of a belt, counter-clockwise means to the left.
   for (const double speed : {2.0, -3.0}) {
     Scene scene = empty_scene();
     scene.bodies = {ground(), unit_box({0, 0.5})};
     scene.bodies[0].shapes[0].material.tangent_speed = speed;
     const auto engine = make_engine_or_fail(scene);
     run_ticks(*engine, 10);
-    // a = mu g = 6 m/s^2 after the weight is borne, one substep late at most.
+    // a = mu g = 6 m/s^2 once the contact carries the weight, at most one substep late.
     CHECK(engine->bodies()[1].velocity.x == Approx(speed > 0 ? -1.0 : 1.0).margin(6.0 / 240 * 1.01));
     run_ticks(*engine, 110);
     CHECK(engine->bodies()[1].velocity.x == Approx(-speed).margin(1e-6));
@@ -478,13 +478,13 @@ TEST_CASE("a conveyor brings a box to its speed at mu g", "[engine][shapes][anal
   scene.bodies[0].shapes[0].material.tangent_speed = 2;
   const auto engine = make_engine_or_fail(scene);
   run_ticks(*engine, 120);
-  // Along the chain; where its weight goes from edge to edge, friction is solved to a thousandth.
+  // Along the chain. Where the weight moves from edge to edge, friction is accurate to a thousandth.
   CHECK(engine->bodies()[1].velocity.x == Approx(-2).margin(2e-3));
 }
 
 TEST_CASE("rolling resistance c brakes a rolling disc by 2/3 c g", "[engine][shapes][analytic]") {
-  // Torque c r m g against the turn; with friction F and rolling without slip, m a = F and
-  // m r^2 / 2 (a / r) = -c r m g - F r, so a = -2/3 c g.
+  // Torque c r m g against the rotation. With friction F and rolling without slip, m a = F and m r^2 / 2 (a / r) = -c r
+  // m g - F r, so a = -2/3 c g.
   Scene scene = empty_scene();
   scene.bodies = {ground(1000), body_of(disc_shape(0.5), {0, 0.5})};
   scene.bodies[1].velocity = {6, 0};
@@ -492,7 +492,7 @@ TEST_CASE("rolling resistance c brakes a rolling disc by 2/3 c g", "[engine][sha
   scene.bodies[1].shapes[0].material.rolling_resistance = 0.15;
   const auto engine = make_engine_or_fail(scene);
   run_ticks(*engine, 60);
-  const double settle = 10.0 / 240;  // the first substep may bear less than the weight
+  const double settle = 10.0 / 240;  // in the first substep the contact may carry less than the weight
   CHECK(engine->bodies()[1].velocity.x == Approx(6 - 2.0 / 3 * 0.15 * 10).margin(settle));
   run_ticks(*engine, 360);
   CHECK(std::fabs(engine->bodies()[1].velocity.x) < 1e-6);
