@@ -1,4 +1,4 @@
-// Errors of ticktrue/math.h in ulp: against MPFR, and of every float against the C library's double.
+// Errors of ticktrue/math.h in ulp: against MPFR, and for every float against the C library's double.
 // SPDX-License-Identifier: MIT
 //
 // usage: accuracy [--count N] [--every-float] [FUNCTION...]    Exits 1 if a bound of ticktrue/math.h is exceeded.
@@ -52,7 +52,7 @@ const Reference& reference_of(const char* name) {
 struct Worst {
   double error = 0, x = 0, y = 0;
   void see(double found, double at_x, double at_y) {
-    if (!(found <= error)) *this = {found, at_x, at_y};  // a NaN is an error
+    if (!(found <= error)) *this = {found, at_x, at_y};  // a NaN counts as an error
   }
 };
 
@@ -60,7 +60,7 @@ struct Worst {
 double error_of(double got, mpfr_srcptr exact, int digits, int lowest, double largest) {
   if (mpfr_nan_p(exact)) return got != got ? 0 : HUGE_VAL;
   if (got != got) return HUGE_VAL;
-  if (std::isinf(got)) {  // right if the exact value rounds to it
+  if (std::isinf(got)) {  // correct if the exact value rounds to infinity
     if (mpfr_sgn(exact) != (got > 0 ? 1 : -1)) return HUGE_VAL;
     mpfr_t limit;
     mpfr_init2(limit, 200);
@@ -109,7 +109,7 @@ class Evaluator {
   mpfr_t x_, y_, exact_;
 };
 
-/// Arguments of many sizes: of the table's range, close to the ends of it and to 1, of any exponent.
+/// Arguments of many sizes: in the table's range, close to its ends and to 1, and of any exponent.
 double argument(ticktrue_random& random, double low, double high, std::uint32_t i) {
   const double any = next_f64(&random, low, high, i);
   switch (i % 16) {
@@ -155,7 +155,7 @@ Worst worst_f32(const MathFunction& function, std::uint32_t count) {
   return worst;
 }
 
-/// Every float, against the C library's double: its own error is below a 2^28th of a float's ulp.
+/// Compares every float with the C library's double, whose own error is below a 2^28th of a float's ulp.
 Worst worst_of_every_float(const MathFunction& function) {
   const Reference& reference = reference_of(function.name);
   Worst worst;

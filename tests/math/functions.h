@@ -1,4 +1,4 @@
-// The functions of ticktrue/math.h as a table, with the arguments they are tested with: C and C++.
+// The functions of ticktrue/math.h as a table, with the ranges of test arguments: C and C++.
 // SPDX-License-Identifier: MIT
 #pragma once
 
@@ -66,7 +66,7 @@ static const MathFunction math_functions[] = {
     MATH_ROW(rint, 1, -100, 100, 0, 0)};
 #undef MATH_ROW
 
-// The next argument: three of four between low and high, the others any bits, NaN and subnormals among them.
+// The next argument. Three of four are between low and high; the others have any bits, including NaN and subnormals.
 static inline double next_f64(ticktrue_random* random, double low, double high, uint32_t i) {
   uint64_t bits = ticktrue_random_u64(random);
   if (i % 4 == 3) return ttm_from_bits(bits);

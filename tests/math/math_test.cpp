@@ -19,7 +19,7 @@
 namespace ticktrue::test {
 namespace {
 
-constexpr std::uint32_t argument_count = 100000;  // as the first column of digests.tsv
+constexpr std::uint32_t argument_count = 100000;  // like the first column of digests.tsv
 
 /// Lines "name digest ..." of tests/math/digests.tsv.
 std::vector<std::pair<std::string, std::string>> pinned_digests() {
@@ -141,7 +141,7 @@ constexpr Special specials[] = {
     {"pow", -infinite, -3, -0.0},
     {"pow", infinite, -1, 0},
     {"pow", 2, 0.5, 1.4142135623730951},
-    {"pow", -1, 9007199254740993.0, 1},  // this literal is even
+    {"pow", -1, 9007199254740993.0, 1},  // this literal is rounded to an even number
     {"pow", 1.0000000000000002, 1e300, infinite},
     {"hypot", -infinite, nan_value, infinite},
     {"hypot", nan_value, 1, nan_value},
