@@ -1,4 +1,4 @@
-// Records a trace's session again with one bit flipped on the way: as a build that computes differently would have.
+// Records a trace's session again with one flipped bit, like a build that computes differently.
 // SPDX-License-Identifier: MIT
 //
 // inject_fault IN.ttr OUT.ttr TICK BODY BIT root|cells|full:A..B
