@@ -10,7 +10,7 @@ class ArgumentOrder : public Game {
   ArgumentOrder() : Game(8) {}
 
  private:
-  /// The seed is saved: it is the score of unit 0.
+  /// The seed is part of the saved state: it is the score of unit 0.
   int random() { return units[0].score = (units[0].score * 5 + 3) % 64; }
   void jump(int up, int forward) { units[5].velocity = static_cast<float>(2 * up + forward); }
 

@@ -12,7 +12,7 @@ class FlushToZero : public Game {
   FlushToZero() : Game(8) { units[6].velocity = 1e-30F; }
 
  private:
-  /// What each result becomes once somebody has set FTZ, and always in NEON code of 32-bit ARM.
+  /// A result after some code has set FTZ. NEON code of 32-bit ARM always behaves in this way.
   static float flushed(float value) {
     const bool is_subnormal = value < FLT_MIN && value > -FLT_MIN;
     return machine == Machine::other && is_subnormal ? 0.0F : value;

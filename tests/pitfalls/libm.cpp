@@ -10,7 +10,7 @@ class Libm : public Game {
   Libm() : Game(8) {}
 
  private:
-  /// sin of a small angle as two libraries compute it: the same series, summed from either end.
+  /// sin of a small angle in two libraries: the same series, summed from either end.
   static float sine(float x) {
     const float s = x * x;
     if (machine == Machine::recorder) return x * (1 + s * (-1 / 6.0F + s * (1 / 120.0F + s * (-1 / 5040.0F))));

@@ -1,4 +1,4 @@
-// Each cause is named by its mark, and by nothing less.
+// Each cause is named if its mark is present, and only then.
 // SPDX-License-Identifier: MIT
 #include "verifier/report/likely_causes.h"
 
@@ -97,7 +97,7 @@ TEST_CASE("every cause of the table has a mark that names it", "[verifier][cause
     CAPTURE(text);
     CHECK(contains(text, std::string(info.text) + "\n"));
     CHECK(contains(verifier::report_json({&report, 1}, false), "\"cause\": \"" + std::string(info.name) + "\""));
-    // The same values in a trace of our own engine: a divergence there is a fault of the engine.
+    // The same values in a trace of our own engine. There, a divergence is a fault of the engine.
     Report own = report;
     own.simulation = "ticktrue.engine";
     CHECK(verifier::likely_causes(own).empty());
@@ -106,16 +106,16 @@ TEST_CASE("every cause of the table has a mark that names it", "[verifier][cause
 
 TEST_CASE("values next to a mark name no cause", "[verifier][causes][analytic]") {
   const std::vector<LaneReport> lanes{
-      lane_of(ScalarType::u32, 3, 4),                     // a number
-      lane_of(ScalarType::f32, f32(1), f32(1.001F)),      // more than last places
-      lane_of(ScalarType::u64, 0x7f12'3456'7890, 17),     // one side alone is like an address
-      lane_of(ScalarType::u8, 0xcd, 0xa5),                // a byte is no mark
+      lane_of(ScalarType::u32, 3, 4),                     // an ordinary number
+      lane_of(ScalarType::f32, f32(1), f32(1.001F)),      // a difference in more than the last places
+      lane_of(ScalarType::u64, 0x7f12'3456'7890, 17),     // only one side looks like an address
+      lane_of(ScalarType::u8, 0xcd, 0xa5),                // a single byte is no mark
       lane_of(ScalarType::u32, 0xcdcdcdcd, 0xa5a5a5a5),   // both sides are fill bytes
       lane_of(ScalarType::f32, f32(0), f32(1e-30F)),      // small, but not denormal
       lane_of(ScalarType::i32, 0x80000000, 5),            // the lowest integer and any other
       lane_of(ScalarType::f32, f32(12.75F), f32(13)),     // rounded, not cut
-      lane_of(ScalarType::i64, 1'764'000'000'123, 12),    // one side alone is like a time
-      lane_of(ScalarType::u32, 0xffffffff, 1),            // no negative number
+      lane_of(ScalarType::i64, 1'764'000'000'123, 12),    // only one side looks like a time
+      lane_of(ScalarType::u32, 0xffffffff, 1),            // not a negative number
       lane_of(ScalarType::f64, f64(1e300), f64(-1e200)),  // other sign, other value
   };
   for (const LaneReport& lane : lanes) {
@@ -126,7 +126,7 @@ TEST_CASE("values next to a mark name no cause", "[verifier][causes][analytic]")
   CHECK(verifier::likely_causes(with_builds("caller.simd", "sse2", "avx2")).empty());
   CHECK(verifier::likely_causes(with_marks("hits", 40, 41)).empty());
   CHECK(verifier::likely_causes(with_marks("libc.rand", 40, 40)).empty());
-  // Two of three rows are listed: the third may explain the other two.
+  // Two of three rows are listed. The third row may explain the other two.
   Report cut =
       report_of({lane_of(ScalarType::f32, f32(1.1F), f32(2.2F)), lane_of(ScalarType::f32, f32(2.2F), f32(1.1F), 1)});
   cut.divergence->lane_count = 3;

@@ -12,7 +12,7 @@ class NegativeZero : public Game {
   NegativeZero() : Game(8) { units[1].velocity = 3; }
 
  private:
-  /// std::fmin: x86's minss gives its second operand where both are zero, ARM's fminnm gives -0.
+  /// std::fmin of two zeros: minss of x86 returns its second operand, fminnm of ARM returns -0.
   static float smaller(float a, float b) {
     if (machine == Machine::recorder) return a < b ? a : b;
     return b < a || (a == b && std::signbit(b)) ? b : a;

@@ -1,4 +1,4 @@
-// Rules of a game that somebody changed, and bits that a memory lost: no report names a pitfall for them.
+// Changed rules of a game, and flipped bits of a memory: no report names a pitfall for them.
 // SPDX-License-Identifier: MIT
 #include <algorithm>
 #include <cmath>
@@ -73,7 +73,7 @@ Bytes recorded() {
   return read_file(folder.file("arena.ttr"));
 }
 
-/// What a person changes in a rule, by intention or not.
+/// Changes of a rule, intended or not.
 const std::vector<Change> rules{
     [](auto& units, auto) { units[3].velocity *= 0.999F; },
     [](auto& units, auto tick) { units[0].score += tick == 30; },

@@ -21,7 +21,7 @@ class Padding : public Game {
   void rules(float) override {
     if (tick() != 33) return;
     std::uint8_t order[sizeof(Order)];
-    // Order order; order.kind = 2; order.target = 5; -- between them stays what lay on the stack before.
+    // Order order; order.kind = 2; order.target = 5; -- the bytes between both members keep old bytes of the stack.
     std::memset(order, machine == Machine::recorder ? 0x00 : 0xcd, sizeof order);
     const std::uint32_t target = 5;
     order[offsetof(Order, kind)] = 2;

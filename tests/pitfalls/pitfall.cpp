@@ -1,4 +1,4 @@
-// The state of the tiny game: saved, loaded and shown in full, so that only its rules can be wrong.
+// Saves, loads and shows the whole state of the tiny game, so that only its rules can be wrong.
 // SPDX-License-Identifier: MIT
 #include "tests/pitfalls/pitfall.h"
 

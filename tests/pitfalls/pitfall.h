@@ -1,7 +1,7 @@
-// What the pitfalls share: a tiny game whose whole state is saved, a place for its rules, and what must be found.
+// Parts that the pitfalls share: a tiny game whose whole state is saved, a place for its rules, the expected finding.
 // SPDX-License-Identifier: MIT
 //
-// Each pitfall is one file: a game with one real bug of determinism. docs/pitfalls.md explains them.
+// Each pitfall is one file: a game with one real determinism bug. docs/pitfalls.md explains the pitfalls.
 #pragma once
 
 #include <cstdint>
@@ -15,8 +15,8 @@
 
 namespace ticktrue::pitfalls {
 
-/// Many of these bugs show only on another machine: another compiler, standard library, heap or processor. Then one
-/// variable says on which of the two the game runs, and the game does by hand what that machine would do.
+/// Many of these bugs only appear on another machine: another compiler, standard library, heap or processor.
+/// This variable selects the machine, and the game imitates what that machine would do.
 enum class Machine : std::uint8_t { recorder, other };
 extern Machine machine;
 
@@ -42,7 +42,7 @@ class Game : public Simulation {
 
  protected:
   virtual void rules(float dt) = 0;
-  std::uint64_t tick() const { return tick_; }  // that is being done
+  std::uint64_t tick() const { return tick_; }  // the current tick
 
   std::vector<Unit> units;
 
@@ -51,13 +51,13 @@ class Game : public Simulation {
   StateView view_;
 };
 
-/// A game with a bug, and what verify must say of it.
+/// A game with a bug, and the expected report of verify.
 struct Pitfall {
   const char* name;
   Result<std::unique_ptr<Simulation>> (*make)(ByteView setup);
-  verifier::VerifyMode mode;  // in which it is found
+  verifier::VerifyMode mode;  // the mode that finds the bug
   verifier::Verdict verdict;
-  std::uint64_t tick;  // the first that differs
+  std::uint64_t tick;  // the first differing tick
   const char* column;  // of the table "units"
   std::vector<std::uint32_t> units;
 };

@@ -1,4 +1,4 @@
-// Each pitfall is found at its tick, column and units, and docs/pitfalls.md shows what is said of it.
+// Verify finds each pitfall at its tick, column and units. docs/pitfalls.md shows the report.
 // SPDX-License-Identifier: MIT
 #include <algorithm>
 #include <cstdlib>
@@ -79,7 +79,7 @@ Report verified(const Pitfall& pitfall, const Bytes& trace, Machine machine, Ver
   return report;
 }
 
-/// Two runs on one machine are the same.
+/// Whether two runs on one machine are equal.
 bool is_repeatable(const Pitfall& pitfall) {
   return pitfall.verdict != Verdict::not_reproducible;
 }
@@ -151,7 +151,7 @@ TEST_CASE("on the machine that recorded it a pitfall shows only where two runs d
   }
 }
 
-/// The lines of a report that are the same in every run: where, and with what values unless chance made them.
+/// The lines of a report that are equal in every run: the place, and the values unless they are random.
 std::vector<std::string> lasting_lines(const Pitfall& pitfall, const std::string& text) {
   std::vector<std::string> lines;
   std::istringstream in(text);
@@ -183,7 +183,7 @@ TEST_CASE("docs/pitfalls.md shows what is said of every pitfall", "[verifier][pi
 TEST_CASE("report names the cause of twelve pitfalls among at most two", "[verifier][pitfalls][causes]") {
   using verifier::Cause;
   const std::map<std::string, std::optional<Cause>> expected{
-      {"argument_order", std::nullopt},  // leaves values like any other rule of a game
+      {"argument_order", std::nullopt},  // leaves values like those of any other rule
       {"contraction", Cause::other_math},      {"float_to_int", Cause::conversion_out_of_range},
       {"flush_to_zero", Cause::flush_to_zero}, {"libm", Cause::other_math},
       {"negative_zero", Cause::negative_zero}, {"padding", std::nullopt},
@@ -197,7 +197,7 @@ TEST_CASE("report names the cause of twelve pitfalls among at most two", "[verif
     const std::vector<Cause> found = verifier::likely_causes(report);
     CHECK(found.size() <= 2);
     std::optional<Cause> cause = expected.at(pitfall->name);
-    // The time since the machine started may be one that a calendar has, too.
+    // The time since boot may also be a plausible calendar time.
     if (cause == Cause::random_numbers && found == std::vector<Cause>{Cause::clock}) cause = Cause::clock;
     if (cause) CHECK(std::find(found.begin(), found.end(), *cause) != found.end());
     if (!cause) CHECK(found.empty());

@@ -16,7 +16,7 @@ class PointerOrder : public Game {
   struct Runner {
     std::uint32_t unit = 0;
   };
-  /// As `new Runner` would on two heaps: one hands out rising addresses, one falling ones.
+  /// The result of `new Runner` on two heaps: one returns rising addresses, one returns falling addresses.
   Runner* place_of(std::uint32_t unit) { return &heap_[machine == Machine::recorder ? unit : 7 - unit]; }
 
   void rules(float) override {

@@ -10,9 +10,9 @@ class ThreadOrder : public Game {
   ThreadOrder() : Game(8), last_(run_count++ % 64) {}
 
  private:
-  /// std::thread([&] { target = seen_by(thread); }) for each of 64 threads, each a part of the map: the one that comes
-  /// last wins. Who that is, is the scheduler's choice; here it is another one in each run, so that the test cannot be
-  /// lucky.
+  /// std::thread([&] { target = seen_by(thread); }) for each of 64 threads, each with a part of the map. The last
+  /// thread wins. The scheduler decides which thread is last. Here it differs in each run, so that the test never
+  /// passes by luck.
   void rules(float) override {
     if (tick() != 24) return;
     for (int thread = 0; thread < 64; ++thread)

@@ -16,12 +16,12 @@ class UnorderedIteration : public Game {
 
  private:
   void rules(float) override {
-    std::unordered_map<std::uint32_t, float> pulls;  // of units in reach
+    std::unordered_map<std::uint32_t, float> pulls;  // of units within range
     for (const Unit& unit : units)
       if (unit.position < 1.3F) pulls[unit.id] = 0.01F * unit.position;
     std::vector<float> in_order;
     for (const auto& [id, pull] : pulls) in_order.push_back(pull);
-    // Another library keeps the same elements in another order.
+    // Another library stores the same elements in another order.
     if (machine == Machine::other) std::reverse(in_order.begin(), in_order.end());
     float sum = 0;
     for (const float pull : in_order) sum += pull;

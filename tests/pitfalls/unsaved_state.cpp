@@ -21,7 +21,7 @@ class UnsavedState : public Game {
 
 }  // namespace
 
-// The checkpoint before tick 16 does not know that the gun still cools: loaded from there it fires at once.
+// The checkpoint before tick 16 lacks the cooldown, so a simulation loaded from it fires at once.
 const Pitfall unsaved_state{"unsaved_state",
                             make_game<UnsavedState>,
                             verifier::VerifyMode::restore,

@@ -15,10 +15,10 @@ class UnstableSort : public Game {
   static bool is_before(const Unit& a, const Unit& b) { return a.score > b.score; }
 
   void rules(float) override {
-    if (tick() == 18) units[3].score = 5;  // until then all are equal, but nobody asked who leads
+    if (tick() == 18) units[3].score = 5;  // until then all scores are equal, but no rule reads the order
     if (tick() != 19) return;
     std::vector<Unit> ranking = units;
-    // std::sort(...): both of these keep its contract.
+    // std::sort(...): both branches keep its contract.
     if (machine == Machine::recorder) {
       std::stable_sort(ranking.begin(), ranking.end(), is_before);
     } else {
