@@ -1,8 +1,8 @@
-// Records, verifies and compares traces, and probes the arithmetic: what ./dev platforms needs of the tool.
+// Records, verifies and compares traces, and probes the arithmetic: the parts of the tool that ./dev platforms needs.
 // SPDX-License-Identifier: MIT
 //
-// It uses the engine, the verifier and the probe of the tool, but not the command line with its headers. So it is built
-// in a fraction of the time (`./dev platforms --full` uses the tool instead).
+// The program uses the engine, the verifier and the probe of the tool, but not the command line. It therefore builds in
+// a fraction of the time (`./dev platforms --full` uses the tool instead).
 #include <chrono>
 #include <cstdio>
 #include <cstdlib>
@@ -55,7 +55,7 @@ Result<engine::Scene> load_scene(const std::string& name) {
   return engine::parse_scene(*text, name);
 }
 
-/// As `ticktrue record --detail full:90..110 --checkpoint-interval 30 --no-compress --force --json`.
+/// Equals `ticktrue record --detail full:90..110 --checkpoint-interval 30 --no-compress --force --json`.
 int record(const Words& words) {
   const std::string& inputs = words[1];
   const std::string& output = words[3];
@@ -108,7 +108,7 @@ int diff(const Words& words) {
   return report.exit_code();
 }
 
-/// As `ticktrue env --check --json`, as far as ./dev platforms reads it.
+/// Equals `ticktrue env --check --json`, for the fields that ./dev platforms reads.
 int env(const Words&) {
   const BuildInfo& build = build_info();
   const verifier::FloatEnvironment floats = verifier::probe_float_environment();
@@ -126,7 +126,7 @@ int env(const Words&) {
   return right ? verifier::exit_ok : verifier::exit_finding;
 }
 
-/// Root hashes of random worlds, as tests/worlds/hashes.tsv has them.
+/// Root hashes of random worlds, in the format of tests/worlds/hashes.tsv.
 int worlds(const Words& words) {
   const Result<std::string> text = read_text(words[0]);
   if (!text) return complain(text.error());
@@ -150,7 +150,7 @@ int worlds(const Words& words) {
   return differing == 0 ? verifier::exit_ok : verifier::exit_finding;
 }
 
-/// Long enough that a terminal shows the bar.
+/// Runs long enough for a terminal to show the progress bar.
 int bar(const Words&) {
   cli::Progress progress("bar", 2);
   progress.update(1);
