@@ -1,4 +1,5 @@
-// What must come out on every platform, under its emulator too: refusal of wrong float settings, findings, travel.
+// Results that are equal on every platform and under its emulator: refusal of wrong float settings, findings, loaded
+// states.
 // SPDX-License-Identifier: MIT
 #include <cfenv>
 #include <string>
@@ -16,7 +17,7 @@ namespace {
 
 // --- float settings -------------------------------------------------------------------------------------------------
 
-/// Another rounding mode as long as it lives; `took` is false where the platform has only one.
+/// Sets another rounding mode during its lifetime. `took` is false if the platform has only one mode.
 class OtherRounding {
  public:
   explicit OtherRounding(int mode)
@@ -67,7 +68,7 @@ void set_control_word(std::uint64_t word) {
 constexpr std::uint64_t flush_bits = 1u << 15;  // FTZ
 #endif
 
-/// Subnormal results become zero as long as it lives.
+/// Flushes subnormal results to zero during its lifetime.
 class Flushing {
  public:
   Flushing() : before_(control_word()) { set_control_word(before_ | flush_bits); }
