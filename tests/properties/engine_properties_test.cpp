@@ -1,4 +1,4 @@
-// What must hold for every scene, solver, precision and broad phase: same bits, whatever is not state.
+// Properties of every scene, solver, precision and broad phase: anything that is not state changes no bit.
 // SPDX-License-Identifier: MIT
 #include <algorithm>
 #include <cstring>
@@ -16,7 +16,7 @@ namespace {
 
 constexpr std::uint64_t whole_run = 240;  // ticks
 #if defined(__SANITIZE_ADDRESS__)
-constexpr std::uint64_t tick_count = 80;  // each costs twenty times as much
+constexpr std::uint64_t tick_count = 80;  // each tick costs twenty times as much
 #else
 constexpr std::uint64_t tick_count = whole_run;
 #endif
@@ -31,7 +31,7 @@ class CountingObserver : public StageObserver {
   std::vector<std::uint64_t> hashes;
 };
 
-/// Restores fresh engines from images of 50 ticks, and compares the next ticks; the first engine runs to the end.
+/// Restores new engines from images of 50 ticks and compares the next ticks. The first engine runs to the end.
 void check_restores(const Session& session, std::uint64_t end) {
   constexpr std::uint64_t ticks_compared = 20;
   const std::vector<std::uint64_t> expected = tick_hashes(session, end);
@@ -95,7 +95,7 @@ void check_full_pipeline(const Session& session, std::uint64_t end) {
   }
 }
 
-/// Runs 120 ticks, and on until a pointer holds something, where the scene has one.
+/// Runs 120 ticks. If the scene has a pointer, continues until the pointer holds a body.
 void run_until_rich(engine::Engine& engine, const Session& session) {
   const auto pointers = engine.state().schema->find_table("pointers");
   for (std::uint64_t tick = 0; tick < 400; ++tick) {
@@ -135,13 +135,13 @@ std::vector<std::uint64_t> bad_values(const Column& column) {
     if (column.min > -infinity) bad.push_back(real_bits(column.type, column.min - 0.001));
     return bad;
   }
-  if (column.optional) return {static_cast<std::uint64_t>(column.max)};  // an id of no body; one more is "none"
+  if (column.optional) return {static_cast<std::uint64_t>(column.max)};  // an id of no body; the next is "none"
   if (column.max < 4294967295.0) bad.push_back(static_cast<std::uint64_t>(column.max) + 1);
   if (column.min > 0) bad.push_back(static_cast<std::uint64_t>(column.min) - 1);
   return bad;
 }
 
-/// Values of a column's range that a run would hardly give it.
+/// Values within a column's range that a run hardly produces.
 std::vector<std::uint64_t> odd_values(const Column& column) {
   std::vector<std::uint64_t> odd;
   const double huge = column.type == ScalarType::f32 ? 3e38 : 1e300;
@@ -350,7 +350,7 @@ TEST_CASE("images with odd values in range are refused or run on", "[properties]
             CHECK(status.error().code == ErrorCode::corrupt);
             continue;
           }
-          // No inputs: which ones an odd state takes is accept's to say.
+          // Without inputs, because accept decides which inputs an odd state takes.
           for (int tick = 0; tick < 3; ++tick)
             if (engine->accept({session.scene.settings.dt, {}}))
               REQUIRE(engine->step({session.scene.settings.dt, {}}, nullptr));
