@@ -1,4 +1,4 @@
-// A plug-in that adds up the bytes of its inputs, and with COUNTING_FAULT in the environment counts a nine as a ten.
+// A plug-in that sums the bytes of its inputs. With COUNTING_FAULT in the environment, a nine counts as a ten.
 // SPDX-License-Identifier: MIT
 #include <cstdint>
 #include <cstdlib>

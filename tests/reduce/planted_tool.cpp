@@ -1,8 +1,8 @@
-// `ticktrue` with an engine that uses a cached structure too long: what `ticktrue reduce` prints about it can be run.
+// `ticktrue` with an engine that uses a cache too long, so that the printed commands of `ticktrue reduce` can run.
 // SPDX-License-Identifier: MIT
 //
-// As soon as a body is faster than 3 m/s, a bit of its velocity is wrong in a tick that uses cached structures. The
-// linker gives callers of make_engine the function below instead (--wrap, tests/CMakeLists.txt).
+// If a body is faster than 3 m/s, a bit of its velocity is wrong in each tick that uses caches. The linker replaces
+// make_engine by the function below (--wrap, tests/CMakeLists.txt).
 #include <cmath>
 #include <string>
 
@@ -45,7 +45,7 @@ class StaleEngine : public ticktrue::test::ForwardingEngine {
   }
 
  private:
-  /// As the engine says it (engine/world.cpp).
+  /// The message of the engine (engine/world.cpp).
   Error found(std::size_t row) const {
     return {ErrorCode::inconsistent,
             "tick " + std::to_string(tick() - 1) + ": stage tgs_soft: bodies.velocity row " + std::to_string(row) +
@@ -79,7 +79,7 @@ Made make_stale(const Scene& scene, const EngineOptions& options) __asm__("__wra
 
 Made make_stale(const Scene& scene, const EngineOptions& options) {
   EngineOptions real = options;
-  real.check_caches = false;  // the caches of this engine are right
+  real.check_caches = false;  // this engine's own caches are correct
   Made made = make_real(scene, real);
   if (!made) return made;
   return std::unique_ptr<Engine>(std::make_unique<StaleEngine>(*std::move(made), options.check_caches));
