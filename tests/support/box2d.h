@@ -10,7 +10,7 @@
 
 namespace ticktrue::test {
 
-/// A build without Box2D has no peer: tests that need one are skipped.
+/// A build without Box2D has no peer. Tests that need a peer are then skipped.
 inline bool has_box2d() {
   return !verifier::box2d_version().empty();
 }

@@ -9,7 +9,7 @@ using Catch::Approx;
 #include <catch2/catch.hpp>
 #endif
 
-/// Ends a test that cannot run here, and says so: a test that did not run does not pass in silence.
+/// Ends a test that cannot run here, and prints a warning, so that the test does not pass silently.
 #define SKIP_UNLESS(condition, reason) \
   if (!(condition)) {                  \
     WARN("skipped: " reason);          \

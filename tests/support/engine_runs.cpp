@@ -18,7 +18,7 @@ namespace {
 using engine::Input;
 using engine::InputKind;
 
-/// A closed room with a kinematic paddle, a compound body and every shape, that declares every kind of input.
+/// A closed room with a kinematic paddle, a compound body and every shape. The scene declares every kind of input.
 engine::Scene playground(engine::SolverKind solver, engine::Precision precision) {
   engine::Scene scene;
   scene.name = "playground";
@@ -48,7 +48,7 @@ engine::Scene playground(engine::SolverKind solver, engine::Precision precision)
   scene.prototypes[1].name = "brick";
   scene.prototypes[2].name = "gem";
   for (const engine::InputInfo& info : engine::input_kinds)
-    if (!info.has_joint) scene.inputs.push_back(info.kind);  // it has no joints
+    if (!info.has_joint) scene.inputs.push_back(info.kind);  // the scene has no joints
   scene.pointer.emplace().spawns = {"disc", "brick", "gem"};
   scene.bounds = engine::Bounds{{-12, -4}, {12, 14}};
   scene.spawned_max = 12;
@@ -93,7 +93,7 @@ engine::Scene jointed_playground(engine::Precision precision) {
     engine::Joint joint;
     joint.name = number % 2 == 0 ? std::string(info.name) : "";
     joint.kind = info.kind;
-    joint.body_a = 3 + number;  // the paddle is the first
+    joint.body_a = 3 + number;  // the body with id 3 is the paddle
     joint.body_b = number == 7 ? 4 : 4 + number;
     const auto& fields = info_of(engine::joint_kinds, joint.kind);
     const auto has = [&fields](engine::JointField field) { return !engine::key_of(fields, field).empty(); };
@@ -122,8 +122,8 @@ engine::Scene jointed_playground(engine::Precision precision) {
   return scene;
 }
 
-/// Small boxes and discs that grow into two heaps, the second falling onto the first, tied by a rope, with automatic
-/// substeps; what is thrown far away is removed.
+/// Small boxes and discs form two heaps. The second heap falls onto the first, and a rope ties both. The scene uses
+/// automatic substeps, and removes bodies that are thrown far away.
 engine::Scene merging_heaps(engine::Precision precision) {
   engine::Scene scene;
   scene.name = "merging heaps";
@@ -149,7 +149,7 @@ engine::Scene merging_heaps(engine::Precision precision) {
   return scene;
 }
 
-/// Bodies without contacts on springs and under forces, solved implicitly; they come and go.
+/// Bodies without contacts, on springs and under forces, solved implicitly. Bodies are spawned and removed.
 engine::Scene springs_alone(engine::Precision precision) {
   engine::Scene scene;
   scene.name = "springs";
@@ -192,7 +192,7 @@ Input random_event(const engine::Scene& scene, Random& random, InputKind kind, s
   input.kind = kind;
   input.player = player;
   const engine::InputInfo& info = info_of(engine::input_kinds, kind);
-  // Bodies of the scene from the fifth on; all of them are dynamic.
+  // Bodies of the scene from the fifth on, which are all dynamic.
   if (info.has_body)
     input.body = static_cast<std::uint32_t>(4 + random.below(scene.bodies.size() < 11 ? scene.bodies.size() - 4 : 7));
   if (info.has_joint) {
@@ -211,7 +211,7 @@ Input random_event(const engine::Scene& scene, Random& random, InputKind kind, s
   return input;
 }
 
-/// One event of any declared kind in `gap` ticks, so that bodies may sleep in between.
+/// One random declared event every `gap` ticks, so that bodies may sleep in between.
 std::vector<Bytes> sparse_inputs(const engine::Scene& scene, std::uint64_t seed, std::uint64_t tick_count,
                                  std::uint64_t gap) {
   Random random(seed);
@@ -246,7 +246,7 @@ std::vector<Bytes> random_inputs(const engine::Scene& scene, std::uint64_t seed,
   return encoded;
 }
 
-/// Lengths of ticks as the scene's clock makes them of frames that are now steady, now far too long.
+/// Tick lengths that the scene's clock makes of frames. Some frames are steady and some far too long.
 std::vector<double> clocked_dts(const Session& session, std::uint64_t tick_count) {
   const auto engine = make_engine_or_fail(session.scene);
   Random random(17);
@@ -302,7 +302,7 @@ std::vector<GoldenSession> golden_sessions() {
     REQUIRE(scene.has_value());
     GoldenSession golden{{fields[0], *std::move(scene), {}, {}}, 0};
     std::vector<std::vector<Input>> ticks;
-    const bool has_host = fields[2].compare(0, 5, "host:") == 0;  // frames, not inputs
+    const bool has_host = fields[2].compare(0, 5, "host:") == 0;  // frames of a host, not inputs
     if (fields[2] != "-" && !has_host)
       for (const std::string& line : split(read_text(fields[2]), '\n')) {
         const auto input = engine::parse_input(golden.session.scene, line, fields[2]);
@@ -311,7 +311,7 @@ std::vector<GoldenSession> golden_sessions() {
         if (input->kind == InputKind::end) golden.tick_count = input->tick;
         if (input->kind == InputKind::end) break;
         if (ticks.size() <= input->tick) ticks.resize(input->tick + 1);
-        // By player, each player's in the order of the lines.
+        // Ordered by player, then by line.
         std::vector<Input>& tick = ticks[input->tick];
         auto at = tick.end();
         while (at != tick.begin() && (at - 1)->player > input->player) --at;
@@ -350,7 +350,7 @@ std::vector<Session> property_sessions() {
                           random_inputs(scene, 7, 400),
                           {}});
     }
-    // Every force element, and an integrator with a table of its own.
+    // Every force element, and an integrator that has a state table.
     engine::Scene forced = playground(engine::SolverKind::tgs_soft, precision.kind);
     forced.settings.integrator = engine::IntegratorKind::thesis_verlet;
     for (const auto& info : engine::force_kinds) {

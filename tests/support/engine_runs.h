@@ -1,4 +1,4 @@
-// Runs of the engine that tests compare: scenes that use every feature, sessions of random inputs, tick hashes.
+// Runs of the engine that tests compare: scenes with every feature, sessions of random inputs, tick hashes.
 // SPDX-License-Identifier: MIT
 #pragma once
 
@@ -15,19 +15,20 @@ namespace ticktrue::test {
 struct Session {
   std::string name;
   engine::Scene scene;
-  std::vector<Bytes> inputs;     // shorter than the run: no inputs later
-  std::vector<double> dts = {};  // s, of each tick; shorter than the run: the scene's dt later
+  std::vector<Bytes> inputs;     // may be shorter than the run: later ticks have no inputs
+  std::vector<double> dts = {};  // s, of each tick; may be shorter than the run: later ticks have the scene's dt
 };
 
-/// A scene of traces/MANIFEST.tsv with its inputs, and how many ticks its trace has.
+/// A scene of traces/MANIFEST.tsv with its inputs, and the number of ticks of its trace.
 struct GoldenSession {
   Session session;
   std::uint64_t tick_count = 0;
 };
 std::vector<GoldenSession> golden_sessions();
 
-/// Built-in scenes in both precisions, and worlds under random inputs of every kind they declare: with a joint of every
-/// kind, every shape, force elements, sleep, automatic substeps, each solver, each clock. Small and lively.
+/// Built-in scenes in both precisions, and worlds with random inputs of every declared kind. The worlds have every
+/// joint and shape, force elements, sleep, automatic substeps, each solver and each clock. The worlds are small and
+/// active.
 std::vector<Session> property_sessions();
 
 /// Requires: the scene is valid.
@@ -43,7 +44,7 @@ std::vector<std::uint64_t> tick_hashes(const Session& session, std::uint64_t tic
 
 Bytes image_of(const Simulation& simulation);
 
-/// Ticks of the scene's length without inputs.
+/// Runs ticks of the scene's length without inputs.
 void run_ticks(engine::Engine& engine, int tick_count);
 
 }  // namespace ticktrue::test

@@ -1,4 +1,4 @@
-// An engine that makes one mistake: what a build that computes differently would have recorded.
+// An engine that makes one mistake, like a build that computes differently.
 // SPDX-License-Identifier: MIT
 #pragma once
 
@@ -17,7 +17,7 @@ struct Fault {
   unsigned bit = 0;     // 0: the lowest
 };
 
-/// An engine that makes it: once, in lane 0 of a velocity.
+/// An engine that makes the fault once, in lane 0 of a velocity.
 class FaultyEngine : public Simulation {
  public:
   FaultyEngine(engine::Engine& engine, const Fault& fault) : engine_(engine), fault_(fault) {}

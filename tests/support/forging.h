@@ -1,4 +1,4 @@
-// Traces whose records say something else than was recorded, with every checksum right.
+// Traces whose records differ from the recorded ones, with valid checksums.
 // SPDX-License-Identifier: MIT
 #pragma once
 
@@ -13,13 +13,13 @@
 
 namespace ticktrue::test {
 
-/// Changes of the records; each may be empty.
+/// Changes of the records. Each function may be empty.
 struct Forgery {
   std::function<void(verifier::StoredTick&)> tick = {};
   std::function<void(verifier::StoredCheckpoint&)> checkpoint = {};
 };
 
-/// Writes the trace `from` again as `to`, uncompressed, with the forged records.
+/// Writes the trace `from` to `to`, uncompressed, with the forged records.
 inline void forge_trace(const std::string& from, const std::string& to, const Forgery& forgery) {
   auto reader = replay::TraceReader::open(from);
   REQUIRE(reader.has_value());

@@ -1,4 +1,4 @@
-// An engine that forwards every call to another one: the base of test engines with an injected fault.
+// An engine that forwards every call to another engine: the base of test engines with an injected fault.
 // SPDX-License-Identifier: MIT
 #pragma once
 

@@ -1,4 +1,4 @@
-// A disk on which nothing more can be written, as far as this process sees.
+// Simulates a full disk for this process.
 // SPDX-License-Identifier: MIT
 #pragma once
 
@@ -9,8 +9,8 @@
 
 namespace ticktrue::test {
 
-/// While it lives, files can be made, renamed and removed, but not one byte can be written. The hint of such an error
-/// is that of a limit, not that of a full disk.
+/// During the lifetime of this object, files can be made, renamed and removed, but no byte can be written. The hint of
+/// the error is that of a limit, not that of a full disk.
 class FullDisk {
  public:
   FullDisk() : handler_(std::signal(SIGXFSZ, SIG_IGN)) {

@@ -1,4 +1,4 @@
-// How far joints are from what they hold: anchors, axes and angles from poses in f64.
+// Position errors of joints: anchors, axes and angles from poses in f64.
 // SPDX-License-Identifier: MIT
 // Source: Catto, "Modeling and Solving Constraints", GDC 2009 (the constraints; definitions only).
 #include "tests/support/joint_gaps.h"
@@ -89,7 +89,7 @@ JointGap gap_of(const Joint& joint, const BodyReport& a, const BodyReport& b, do
     case JointKind::motor:
     case JointKind::friction:
     case JointKind::target:
-      break;  // hold nothing beyond a force
+      break;  // constrains nothing, only applies a force
   }
   return out;
 }

@@ -1,4 +1,4 @@
-// How far joints are from what they hold: measured on the bodies' reports, by the geometry of each kind alone.
+// Position errors of joints, measured on the bodies' reports by the geometry of each kind alone.
 // SPDX-License-Identifier: MIT
 #pragma once
 
@@ -8,15 +8,15 @@
 
 namespace ticktrue::test {
 
-/// The error of a joint in the directions that it holds.
+/// The error of a joint in its constrained directions.
 struct JointGap {
-  double gap = 0;     // m, of its locked directions; an angle counts with `size` as its arm
-  double beyond = 0;  // m, over its limits; an angle counts with `size` as its arm
-  double size = 0;    // m, of its smaller moving body: the diameter of that body's shapes
+  double gap = 0;     // m, in its locked directions; an angle counts with `size` as lever arm
+  double beyond = 0;  // m, beyond its limits; an angle counts with `size` as lever arm
+  double size = 0;    // m, diameter of the shapes of its smaller moving body
   bool exists = true;
 };
 
-/// One for each joint of the scene. Joints of bodies that are gone do not exist.
+/// One for each existing joint of the scene. A joint whose body was removed does not exist.
 std::vector<JointGap> joint_gaps(const engine::Scene& scene, const std::vector<engine::BodyReport>& bodies);
 
 }  // namespace ticktrue::test

@@ -1,4 +1,4 @@
-// Scenes with joints that tests build inline, and what their state says.
+// Scenes with joints that tests build inline, and access to their state.
 // SPDX-License-Identifier: MIT
 #pragma once
 
@@ -15,7 +15,7 @@ namespace ticktrue::test {
 using engine::Joint;
 using engine::JointKind;
 
-constexpr double dt = 1.0 / 60;  // s, of a tick of these scenes
+constexpr double dt = 1.0 / 60;  // s, tick length of these scenes
 
 /// A disc of 0.1 m radius with this mass and inertia.
 inline Body bob(Point position, double mass = 1, double inertia = 0.01) {
@@ -36,7 +36,7 @@ inline Joint joint_of(JointKind kind, std::uint32_t body_a, std::uint32_t body_b
   return joint;
 }
 
-/// Sets the fields that joints of its kind do not have to their defaults.
+/// Resets the fields that joints of this kind do not have to their defaults.
 inline void drop_unused_fields(Joint& joint) {
   const auto& row = info_of(engine::joint_kinds, joint.kind);
   const Joint unset;

@@ -74,19 +74,19 @@ inline Body unit_box(Point position) {
   return body_of(box_shape(0.5, 0.5), position);
 }
 
-/// Its top is the line y = 0.
+/// A static box whose top is the line y = 0.
 inline Body ground(double half_width = 100) {
   return body_of(box_shape(half_width, 1), {0, -1}, BodyType::static_body);
 }
 
-/// No bodies, f64 by default, gravity (0, -10), no damping.
+/// A scene without bodies: f64 by default, gravity (0, -10), no damping.
 inline Scene empty_scene(Precision precision = Precision::f64) {
   Scene scene;
   scene.settings.precision = precision;
   return scene;
 }
 
-/// For one body in the air: no collisions, one substep.
+/// A scene for one body in the air: no collisions, one substep.
 inline Scene flight_scene(Precision precision, Body body) {
   Scene scene = empty_scene(precision);
   scene.settings.solver = SolverKind::free_flight;
@@ -95,7 +95,7 @@ inline Scene flight_scene(Precision precision, Body body) {
   return scene;
 }
 
-/// `count` unit boxes upon each other on the ground, lowest first: bodies 1..count, the ground is body 0.
+/// `count` unit boxes on top of each other on the ground. The ground is body 0; boxes 1..count follow from the bottom.
 inline Scene stack_scene(int count, double gap = 0, Precision precision = Precision::f64) {
   Scene scene = empty_scene(precision);
   scene.name = "stack";
@@ -115,7 +115,7 @@ inline Scene pyramid_scene(int base, Precision precision = Precision::f64) {
   return scene;
 }
 
-/// A box of 1 m by 1 m that slides along the ground with `speed`, friction `friction` against it.
+/// A box of 1 m by 1 m that slides along the ground with `speed` and `friction`.
 inline Scene slide_scene(double speed, double friction, Precision precision = Precision::f64) {
   Scene scene = empty_scene(precision);
   scene.name = "slide";
@@ -126,7 +126,7 @@ inline Scene slide_scene(double speed, double friction, Precision precision = Pr
   return scene;
 }
 
-/// Every field of the scene has another value than its default, as far as the rules allow.
+/// A scene in which every field differs from its default, as far as the rules allow.
 inline Scene everything_scene() {
   using engine::AutoSubsteps, engine::Bounds, engine::BroadPhaseKind, engine::ClockKind, engine::ClockSettings,
       engine::ExplicitMass, engine::Force, engine::force_kinds, engine::ForceKind, engine::input_kinds,

@@ -1,4 +1,4 @@
-// Reads sources and finds code in them.
+// Reads sources and finds code in their text.
 // SPDX-License-Identifier: MIT
 #include "tests/support/source_tree.h"
 
@@ -86,7 +86,7 @@ std::string code_of(std::string_view text) {
       blank(i, end);
       i = end;
     } else if ((text[i] == '"' && !in_include) || (text[i] == '\'' && (i == 0 || !is_word(text[i - 1])))) {
-      std::size_t end = i + 1;  // a quote after a word character separates digits
+      std::size_t end = i + 1;  // a quote after a word character is a digit separator
       while (end < text.size() && text[end] != text[i] && text[end] != '\n') end += text[end] == '\\' ? 2u : 1u;
       blank(i + 1, end);
       i = end + 1;

@@ -19,29 +19,28 @@ struct SourceFile {
 bool starts_with(std::string_view text, std::string_view prefix);
 bool ends_with(std::string_view text, std::string_view suffix);
 bool contains(std::string_view text, std::string_view part);
-/// Whether the path ends as those of headers do.
+/// Whether the path has the suffix of a header.
 bool is_header(std::string_view path);
-/// Whether an identifier may have this character.
+/// Whether an identifier may contain this character.
 bool is_word(char c);
-/// The first folder of a path, or nothing.
+/// The first folder of a path; empty if none.
 std::string top_of(std::string_view path);
 
 std::vector<std::string> lines_of(std::string_view text);
-/// The same text with comments and the insides of literals blanked, line for line. The names in #include stay.
+/// The text with comments and the contents of literals blanked, with equal lines. The names in #include are kept.
 std::string code_of(std::string_view text);
-/// Whether `name` stands in the line as whole words; with `call`, only where an opening parenthesis follows.
+/// Whether `name` occurs in the line as whole words. With `call`, an opening parenthesis must follow.
 bool uses(std::string_view line, std::string_view name, bool call);
 
-/// The files of this project that a text includes, from the root: "base/hash.h", and <ticktrue.h> as
-/// include/ticktrue.h.
+/// The files of this project that a text includes, relative to the root. <ticktrue.h> becomes include/ticktrue.h.
 std::set<std::string> includes_of(std::string_view text);
 
-/// The whole file; an empty text where it cannot be read.
+/// The whole file; empty if the file cannot be read.
 std::string read_text(const std::filesystem::path& path);
-/// Files in `folder` and below whose names end so, in the order of their paths.
+/// Files in and below `folder` whose names have one of the suffixes, in the order of their paths.
 std::vector<SourceFile> files_below(const std::filesystem::path& root, std::string_view folder,
                                     std::initializer_list<std::string_view> suffixes);
-/// Headers and sources of the project, tests and benchmarks included.
+/// Headers and sources of the project, including tests and benchmarks.
 std::vector<SourceFile> source_tree();
 
 }  // namespace ticktrue::source_tree

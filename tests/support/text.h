@@ -1,4 +1,4 @@
-// What tests ask of text.
+// Text functions for tests.
 // SPDX-License-Identifier: MIT
 #pragma once
 

@@ -55,7 +55,7 @@ class ToyInputs {
   ToyInputs& spawn(double x) { return add(ToyEvent::spawn, 0, x); }
   ToyInputs& remove(std::uint32_t id) { return add(ToyEvent::remove, id, 0); }
   ToyInputs& gravity(double value) { return add(ToyEvent::gravity, 0, value); }
-  /// Makes a velocity infinite, for tests of such states.
+  /// Makes a velocity infinite, for tests of states that are not finite.
   ToyInputs& poison(std::uint32_t id) { return add(ToyEvent::poison, id, 0); }
   Bytes take() { return out_.take(); }
 
@@ -81,7 +81,7 @@ class ToySimulation : public Simulation {
     }
     refresh();
   }
-  // The view points at this object's own rows.
+  // The view points to this object's rows, so the object cannot be copied.
   ToySimulation(const ToySimulation&) = delete;
   ToySimulation& operator=(const ToySimulation&) = delete;
 
@@ -190,7 +190,7 @@ class ToySimulation : public Simulation {
     return text;
   }
 
-  /// The rows themselves: a test may change values between ticks; after adding or removing rows it calls refresh().
+  /// The rows themselves. A test may change values between ticks, and calls refresh() after adding or removing rows.
   ToyWorld world;
   std::vector<ToyBody> bodies;  // by id
   std::vector<ToyLink> links;   // by (body_a, body_b)
@@ -199,7 +199,7 @@ class ToySimulation : public Simulation {
     view_.tables = {rows(&world, 1), rows(bodies.data(), bodies.size()), rows(links.data(), links.size())};
   }
 
-  /// Called after each stage, before the observer: where a test injects a fault.
+  /// Called after each stage, before the observer, so that a test can inject a fault.
   std::function<void(ToySimulation&, std::size_t stage)> disturb;
 
  private:
@@ -279,7 +279,7 @@ class ToySimulation : public Simulation {
       ToyBody* body = find(id);
       if (kind == ToyEvent::spawn) spawn(value, 0);
       if (kind == ToyEvent::gravity) world.gravity = value;
-      if (body == nullptr) continue;  // removed earlier: allowed, without effect
+      if (body == nullptr) continue;  // the body was removed earlier: allowed, without effect
       if (kind == ToyEvent::push) body->velocity[0] += static_cast<float>(value);
       if (kind == ToyEvent::poison) body->velocity[1] = INFINITY;
       if (kind == ToyEvent::remove) remove(id);
