@@ -1,4 +1,4 @@
-// The Box2D peer: what it takes and refuses, and that its bodies and joints move as ours do.
+// The Box2D peer: accepted and refused scenes, and equal motion of bodies and joints in both engines.
 // SPDX-License-Identifier: MIT
 #include "tool/box2d/box2d_peer.h"
 
@@ -15,7 +15,7 @@ using namespace ticktrue::test;
 
 namespace {
 
-// The error message, or empty.
+// The error message; empty without an error.
 std::string refusal_of(const Scene& scene) {
   const auto peer = verifier::make_box2d_peer(scene);
   if (peer) return {};
@@ -72,7 +72,7 @@ TEST_CASE("the peer mixes materials by the rule of the scene", "[verifier][cross
     for (int i = 0; i < 400; ++i) (*peer)->step();
     return (*peer)->bodies()[1].center.x;
   };
-  // v^2 / (2 mu g), and half a step's bias.
+  // v^2 / (2 mu g), plus the bias of half a step.
   CHECK(slid(engine::MixRule::minimum) == Approx(25).epsilon(0.01));
   CHECK(slid(engine::MixRule::geometric_mean) == Approx(12.5).epsilon(0.01));
   CHECK(slid(engine::MixRule::average) == Approx(10).epsilon(0.01));
@@ -120,8 +120,8 @@ TEST_CASE("chains, segments, filters, sensors and conveyors mean the same to the
       REQUIRE((*own)->step({scene.settings.dt, {}}, nullptr));
     }
     const auto a = (*own)->bodies()[1], b = (*peer)->bodies()[1];
-    // A fall of 1.5 s differs by g h t / 2 = 0.1 m, and Box2D pushes out bodies that are halfway through a chain from
-    // behind.
+    // After a fall of 1.5 s the engines differ by g h t / 2 = 0.1 m. Box2D also pushes out bodies that are halfway
+    // through a chain from behind.
     CHECK(a.center.y == Approx(b.center.y).margin(a.center.y > 0 ? 0.02 : 0.5));
     CHECK(a.center.x == Approx(b.center.x).margin(0.1));
     CHECK(a.velocity.x == Approx(b.velocity.x).margin(0.02));
@@ -164,7 +164,7 @@ TEST_CASE("the peer removes what leaves the bounds and tells when Box2D cuts a m
   SKIP_UNLESS(has_box2d(), "a build without Box2D");
   Scene scene = empty_scene();
   scene.bodies = {unit_box({0, 0}), unit_box({10, 0})};
-  scene.bodies[1].velocity.x = 130;  // over 2 m a step
+  scene.bodies[1].velocity.x = 130;  // more than 2 m per step
   scene.bounds = engine::Bounds{{-5, -5}, {100, 5}};
   auto peer = verifier::make_box2d_peer(scene);
   REQUIRE(peer);
@@ -176,7 +176,7 @@ TEST_CASE("the peer removes what leaves the bounds and tells when Box2D cuts a m
 
 namespace {
 
-/// Both engines after some seconds; with 64 substeps of ours and 64 steps a tick of Box2D.
+/// Both engines after some seconds, with 64 substeps in the engine and 64 steps per tick in Box2D.
 struct Both {
   std::vector<engine::BodyReport> ours;
   std::vector<engine::BodyReport> box2d;
@@ -209,7 +209,7 @@ void check_same(const Both& both, double margin) {
   }
 }
 
-/// A block at the origin and a bar of 1 m beside it, whose middle is 0.5 m away.
+/// A block at the origin and a bar of 1 m beside it. The centre of the bar is 0.5 m away.
 Scene bar_scene(JointKind kind) {
   Scene scene = empty_scene();
   scene.bodies = {peg({0, 0}), body_of(box_shape(0.5, 0.1), {0.5, 0})};
@@ -242,7 +242,7 @@ TEST_CASE("motors and limits of the peer are ours", "[verifier][crosscheck][equi
   const Both stopped = run_both(turning, 4);
   check_same(stopped, 0.005);
   CHECK(stopped.box2d[1].angle == Approx(0.25).margin(0.01));
-  turning.joints[0].reference_angle = 2 * engine::pi;  // the same angle, a turn later
+  turning.joints[0].reference_angle = 2 * engine::pi;  // the same angle after a full turn
   check_same(run_both(turning, 4), 0.005);
 
   Scene sliding = bar_scene(JointKind::prismatic);
@@ -335,7 +335,7 @@ TEST_CASE("pulleys of the peer are ours: Atwood machines, swings, a bar at its e
   none.joints[0].anchor_b = {};
   none.joints[0].ground_anchor_a = {0, 10};
   none.joints[0].ground_anchor_b = {0.5, 0};
-  none.joints[0].length = 10;                   // 5 cm are short here and there
+  none.joints[0].length = 10;                   // in both engines, a side of 5 cm is short
   const Both falling = run_both(none, 0.0833);  // 3.5 cm
   check_same(falling, 0.005);
   CHECK(falling.ours[1].velocity.y == Approx(-10 * 5 / 60.0).epsilon(0.01));

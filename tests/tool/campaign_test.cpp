@@ -1,4 +1,4 @@
-// The results of a campaign: rows come back as they were, whatever a killed campaign left.
+// Results of a campaign: rows survive unchanged, even after a killed campaign.
 // SPDX-License-Identifier: MIT
 #include "tool/campaign/campaign.h"
 
@@ -19,18 +19,18 @@ namespace {
 using campaign::SeedResult;
 
 SeedResult random_result(std::mt19937& random) {
-  constexpr std::string_view characters = "ab_-.# {}\\";  // none that plain_line changes
+  constexpr std::string_view characters = "ab_-.# {}\\";  // no character that plain_line changes
   const auto text = [&] {
     std::string word;
     for (std::size_t n = random() % 6; n > 0; --n) word += characters[random() % characters.size()];
-    return word == "-" || word == ".." ? std::string() : word;  // how no text is written; no file in the folder
+    return word == "-" || word == ".." ? std::string() : word;  // "-" is no text, ".." no file in the folder
   };
   SeedResult result;
   result.seed = random() % 20;
   result.program = text();
   do {
     result.verdict = verifier::verdicts[random() % verifier::verdicts.size()].verdict;
-  } while (result.verdict == verifier::Verdict::error);  // has no row
+  } while (result.verdict == verifier::Verdict::error);  // an error has no row
   result.ticks = random();
   if (random() % 2 == 0) result.tick = random();
   result.table = text();
@@ -98,7 +98,7 @@ TEST_CASE("a file of results goes on behind a line that was cut short", "[tool][
     auto file = campaign::ResultsFile::open(path, {});
     REQUIRE(file);
     REQUIRE(file->append(result));
-    CHECK(!campaign::ResultsFile::open(path, {}));  // one campaign at a time
+    CHECK(!campaign::ResultsFile::open(path, {}));  // only one campaign at a time
   }
   std::ofstream(folder.file(campaign::results_name), std::ios::app) << "2\tcut";
   result.seed = 3;
@@ -143,7 +143,7 @@ TEST_CASE("a line that no campaign wrote is no result", "[tool][campaign][corrup
        }) {
     CAPTURE(line);
     CHECK(campaign::parse_results(line, {}).empty());
-    // The lines around it count, and no earlier result of the seed is lost.
+    // The neighbouring lines count, and no earlier result of the seed is lost.
     CHECK(campaign::parse_results(good + line, {}) == campaign::parse_results(good, {}));
     CHECK(campaign::parse_results(line + good, {}) == campaign::parse_results(good, {}));
   }
@@ -156,7 +156,7 @@ TEST_CASE("changed bytes of results change no other line", "[tool][campaign][cor
     std::vector<std::string> lines;
     for (std::uint64_t seed = 0; seed < 5; ++seed) {
       written.push_back(random_result(random));
-      written.back().seed = 1'000'000 * (seed + 1);  // no changed byte makes one of another
+      written.back().seed = 1'000'000 * (seed + 1);  // no changed byte turns one seed into another
       lines.push_back(campaign::result_line(written.back()));
     }
     std::string& changed = lines[2];
@@ -169,7 +169,7 @@ TEST_CASE("changed bytes of results change no other line", "[tool][campaign][cor
     for (const std::string& line : lines) text += line;
     const auto read = campaign::parse_results(text, {});
     CAPTURE(i, text);
-    // Without its end, a line takes the next one with it.
+    // A line without its end merges with the next line.
     const bool has_end = changed.back() == '\n';
     for (const std::size_t seed : {0u, 1u, 3u, 4u}) {
       if (seed == 3 && !has_end) continue;
@@ -220,7 +220,7 @@ TEST_CASE("the digest of a program changes with its words and with the files the
   options.restore = true;
   CHECK(digest() != verified);
   options = {};
-  options.record = {"sh", script + "{seed}"};  // the same letters in other words
+  options.record = {"sh", script + "{seed}"};  // the same letters, split into other words
   CHECK(digest() != first);
   options.record = {folder.file("nothing")};
   CHECK(!campaign::program_digest(options));

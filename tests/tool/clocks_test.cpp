@@ -1,4 +1,4 @@
-// Clocks: what ticks the frames of a host become, and that every kind of clock replays bit for bit.
+// Clocks: the ticks that follow from the frames of a host, and exact replay with every kind of clock.
 // SPDX-License-Identifier: MIT
 #include <unistd.h>
 
@@ -27,7 +27,7 @@ using engine::IntegratorKind;
 using engine::TickClock;
 using verifier::ClockedInputs;
 
-/// A file in the temporary directory that goes with its test.
+/// A file in the temporary directory, removed with this object.
 struct TemporaryFile {
   explicit TemporaryFile(const std::string& name)
       : path((std::filesystem::temp_directory_path() / ("ticktrue_clocks_" + std::to_string(::getpid()) + "_" + name))
@@ -151,7 +151,7 @@ TEST_CASE("a variable clock gives other states under other frames, and both trac
   for (const double dt : one.dts) {
     const auto frame = (*frames)->next();
     REQUIRE(frame.has_value());
-    CHECK(dt == **frame);  // bit for bit what the clock said
+    CHECK(dt == **frame);  // bit for bit the length from the clock
     CHECK(std::fabs(dt - 1.0 / 60) <= 0.004);
   }
 }
@@ -190,7 +190,7 @@ TEST_CASE("a semi-fixed clock drops what is beyond its cap and says so", "[verif
 
 TEST_CASE("the error of an adaptive clock's ticks follows its tolerance", "[verifier][clocks][analytic]") {
   const TemporaryFile frames("frames.txt");
-  std::ofstream(frames.path) << "1\n1\n1\n1\n";  // long frames: their ends do not shorten ticks
+  std::ofstream(frames.path) << "1\n1\n1\n1\n";  // long frames, whose ends do not shorten ticks
   for (const IntegratorKind kind : {IntegratorKind::semi_implicit_euler, IntegratorKind::velocity_verlet}) {
     for (const double tolerance : {1e-2, 1e-3, 1e-4, 1e-5, 1e-6, 1e-7, 1e-8}) {
       CAPTURE(kind, tolerance);
@@ -215,8 +215,8 @@ TEST_CASE("the error of an adaptive clock's ticks follows its tolerance", "[veri
       CHECK(count > 20);
       CHECK(sum / count < 3 * tolerance);
       CHECK(sum / count > tolerance / 3);
-      // At 1e-2 steps are of w h = 0.5 and more: where the leading term of the error passes zero, the next one is as
-      // large, and step doubling sees less of it.
+      // At 1e-2 the steps have w h of 0.5 and more. Where the leading error term passes zero, the next term is as
+      // large, and step doubling underestimates it.
       if (tolerance < 1e-2) CHECK(worst < 3 * tolerance);
       CHECK(inputs->report().inaccurate_count == 0);
     }

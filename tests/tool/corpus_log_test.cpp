@@ -70,7 +70,7 @@ TEST_CASE("corpus log: times are those of the calendar", "[verifier][corpus][log
 
 TEST_CASE("corpus slurm: the array is sized by cost", "[verifier][corpus][slurm][analytic]") {
   SlurmJob job = plain_job();
-  // Two hours for one processor: half an hour for four, three tasks of ten minutes.
+  // Two hours for one processor are half an hour for four, or three tasks of ten minutes.
   const std::vector<double> hours(7200, 1.0);
   SlurmSize size = verifier::slurm_size(hours, job);
   CHECK(size.work_s == 7200);
@@ -96,7 +96,7 @@ TEST_CASE("corpus slurm: the script is one for any POSIX shell, whatever the nam
   INFO(result.message);
   CHECK(result.end.exit_status == 0);
   CHECK(contains(text, "--array=1-16 --cpus-per-task=4 --time=30"));
-  CHECK_FALSE(contains(text, "requeue \"$SLURM_JOB_ID\""));  // of the last task: the number of the whole array
+  CHECK_FALSE(contains(text, "requeue \"$SLURM_JOB_ID\""));  // the last task would requeue the whole array
   CHECK(contains(text, "id=${SLURM_ARRAY_JOB_ID}_$SLURM_ARRAY_TASK_ID\n"));
   CHECK(contains(text, "tool=${TICKTRUE:-'/opt/tick true/ticktrue'}"));
   CHECK(contains(text, R"('/data/it'\''s a corpus')"));

@@ -1,4 +1,5 @@
-// Long traces in parts, shards by cost: the verdict is that of one run, no unit is lost, and nothing red becomes green.
+// Long traces in parts, shards by cost: the verdict equals that of one run, no unit is lost, and no failure becomes a
+// match.
 // SPDX-License-Identifier: MIT
 #include <algorithm>
 #include <cmath>
@@ -42,7 +43,7 @@ bool has_engine_digest() {
   return verifier::build_subject(verifier::VerifyMode::replay).has_value();
 }
 
-/// Six boxes that fall, with a checkpoint every 20 ticks. With a fault it diverges there.
+/// Six falling boxes, with a checkpoint every 20 ticks. With a fault, the trace diverges at that tick.
 void record_boxes(const std::string& path, std::uint64_t tick_count, std::uint64_t fault_tick) {
   const Scene scene = stack_scene(6, 0.5, Precision::f32);
   const auto made = engine::make_engine(scene);
@@ -60,7 +61,8 @@ void record_boxes(const std::string& path, std::uint64_t tick_count, std::uint64
 
 constexpr std::uint64_t no_fault = std::numeric_limits<std::uint64_t>::max() - 1;
 
-/// Two long traces and a short one; the test gives the second. The store has learned that all are expensive.
+/// Two long traces and a short one. The test chooses the fault of the second trace. The store has learned that all
+/// traces are expensive.
 class LongCorpus {
  public:
   explicit LongCorpus(std::uint64_t fault_tick = no_fault) {
@@ -70,19 +72,19 @@ class LongCorpus {
     add("c", 10, no_fault);
     const StoreFolder store = open("learned");
     for (const CorpusUnit& unit : verify("learned", {})) whole_.push_back(unit.report);
-    // Another store that has only the history.
+    // A second store, which only has the history.
     open("store");
     fs::copy(store.path_of("history"), folder_.file("store") + "/history", fs::copy_options::recursive);
   }
   const std::vector<std::string>& files() const { return files_; }
-  /// The reports of one run.
+  /// The reports of a single run.
   const std::vector<Report>& whole() const { return whole_; }
   StoreFolder open(const std::string& name = "store") const {
     Result<StoreFolder> folder = StoreFolder::open(folder_.file(name), StoreFolder::Use::writing, false);
     REQUIRE(folder);
     return *std::move(folder);
   }
-  /// A later run of another build. New plans would differ from here on.
+  /// A later run of another build. New plans would differ after this run.
   void learn_that_the_last_is_expensive() const {
     const Result<Hash128> hash = verifier::file_hash(files_.back());
     REQUIRE(hash);
@@ -118,7 +120,7 @@ class LongCorpus {
   std::vector<Report> whole_;
 };
 
-/// Every trace is above it.
+/// Every trace exceeds this limit.
 CorpusOptions in_parts() {
   CorpusOptions options;
   options.part_s = 0;
@@ -126,7 +128,7 @@ CorpusOptions in_parts() {
   return options;
 }
 
-/// The number of verdicts, parts included.
+/// The keys of all verdicts, including parts.
 std::vector<std::string> stored_keys(const StoreFolder& folder) {
   constexpr std::size_t name_size = 33;  // "ab/cdef..."
   std::vector<std::string> keys;
@@ -142,7 +144,7 @@ std::size_t entry_count(const StoreFolder& folder) {
   return stored_keys(folder).size();
 }
 
-/// Without measured times.
+/// The report without measured times.
 Bytes same_of(Report report) {
   report.wall_s = 0;
   return verifier::encode_report(report);
@@ -154,7 +156,7 @@ TEST_CASE("corpus: a long trace in parts gets the verdict of one run", "[verifie
   SKIP_UNLESS(has_engine_digest(), "this build has no digest of the engine");
   const LongCorpus corpus;
   const Units units = corpus.verify(in_parts());
-  // 10 parts, 6 parts, and one trace with a single segment: three verdicts and 16 of parts.
+  // 10 parts, 6 parts, and one trace with a single segment: three verdicts, and 16 verdicts of parts.
   CHECK(entry_count(corpus.open()) == 3 + 10 + 6);
   REQUIRE(units.size() == 3);
   for (std::size_t i = 0; i < units.size(); ++i) {
@@ -189,7 +191,8 @@ TEST_CASE("corpus: a part that was no match once is not forgotten when the whole
   SKIP_UNLESS(has_engine_digest(), "this build has no digest of the engine");
   const LongCorpus corpus;
   const Units first = corpus.verify(in_parts());
-  // Of the first trace: the verdict goes, and a part gets another one, as a machine that computes wrongly would give.
+  // Of the first trace, the verdict is removed, and one part gets another verdict, like that of a machine that computes
+  // wrongly.
   const StoreFolder folder = corpus.open();
   fs::remove(folder.path_of(verifier::spread_name(first[0].key)));
   bool is_forged = false;
@@ -221,7 +224,7 @@ TEST_CASE("corpus: workers that claim share the parts of a trace, and replace on
   for (const std::uint64_t tick : {no_fault, std::uint64_t{61}}) {
     CAPTURE(tick);
     const LongCorpus corpus(tick);
-    // A worker that has every unit and every part, and gives no sign of life.
+    // A worker has claimed every unit and every part, and does not respond.
     corpus.verify(in_parts());
     const StoreFolder dead_folder = corpus.open();
     verifier::Claims dead(dead_folder, 1);
@@ -318,7 +321,7 @@ TEST_CASE("shards of a corpus of very different lengths are within 10 % of each 
           "[verifier][corpus][shards][analytic]") {
   Random random(7);
   for (const std::uint32_t shard_count : {2u, 3u, 8u, 16u}) {
-    // Traces from a hundredth of a second to six hours; those above a minute are cut.
+    // Traces from a hundredth of a second to six hours. Traces above a minute are split.
     std::vector<double> costs;
     std::vector<std::size_t> parts;
     constexpr std::size_t segments_max = 128;

@@ -1,4 +1,4 @@
-// Corpora: what is verified, what is taken from the store, and that no damage, conflict or dead worker makes a match.
+// Corpora: verified traces, stored verdicts, and that no damage, conflict or dead worker makes a match.
 // SPDX-License-Identifier: MIT
 #include <algorithm>
 #include <filesystem>
@@ -81,7 +81,7 @@ std::size_t count(const Units& units, Verdict verdict) {
       units.begin(), units.end(), [&](const CorpusUnit& unit) { return unit.report.verdict == verdict; }));
 }
 
-/// Changes a byte in the middle and leaves size and time of modification as they were.
+/// Changes a byte in the middle, and keeps size and time of modification.
 void change_byte(const std::string& path) {
   const fs::file_time_type time = fs::last_write_time(path);
   Bytes bytes = read_file(path);
@@ -274,7 +274,7 @@ TEST_CASE("corpus: workers that claim do each trace once, and one that died is r
   CorpusOptions options;
   options.claims = true;
   options.lease_s = 1;
-  // A worker that has a trace and gives no sign of life.
+  // A worker has claimed a trace and does not respond.
   const Units keys = [&] {
     corpus.open();
     return corpus.look_up();
@@ -328,7 +328,7 @@ TEST_CASE("corpus: a verdict without room for its row of the history is not stor
   SKIP_UNLESS(can_store(), "this build has no digest of the engine");
   const Corpus corpus;
   const std::string history = corpus.open().path_of("history");
-  write_file(history, {});  // no folder can have this name
+  write_file(history, {});  // a file blocks this name for a folder
   const Units units = corpus.verify();
   CHECK(verifier::corpus_exit_code(units, false) == verifier::exit_usage);
   CHECK(count(corpus.look_up(), UnitSource::missing) == units.size());

@@ -1,4 +1,4 @@
-// The cross-check where Box2D has not converged: its finest steps decide.
+// The cross-check if Box2D has not converged: its finest steps decide.
 // SPDX-License-Identifier: MIT
 #include <algorithm>
 
@@ -13,7 +13,7 @@ namespace {
 using verifier::Agreement;
 using verifier::CriterionResult;
 
-/// A row of means of one seed; `allowed`: the largest difference that agrees.
+/// A row with the means of one seed. `allowed`: the largest difference that agrees.
 CriterionResult row_of(std::string_view criterion, double ours, double box2d, double allowed) {
   CriterionResult row;
   row.criterion = criterion;
@@ -25,14 +25,14 @@ CriterionResult row_of(std::string_view criterion, double ours, double box2d, do
   return row;
 }
 
-/// The verdict on ours beside Box2D's plain and finest answers.
+/// The verdict on the engine's value, given Box2D's values with plain and with finest steps.
 Agreement judged(std::string_view criterion, double ours, double plain, double finest, double allowed) {
   std::vector<CriterionResult> rows{row_of(criterion, ours, plain, allowed)};
   verifier::judge_by_finest(rows, {row_of(criterion, ours, finest, allowed)}, 16);
   return rows[0].verdict;
 }
 
-/// Boxes of 1 kg under one of `load` kg.
+/// Boxes of 1 kg below a box of `load` kg.
 Scene loaded_stack(int count, double load, bool substeps_are_automatic) {
   Scene scene = empty_scene(Precision::f32);
   scene.name = "loaded";
@@ -56,12 +56,12 @@ const CriterionResult& row_named(const verifier::CrosscheckReport& report, std::
 
 TEST_CASE("where Box2D stands with its finest steps, ours that falls differs", "[verifier][crosscheck][analytic]") {
   const std::string_view stands = verifier::stands_criterion;
-  CHECK(judged(stands, 0, 0, 1, 0.2) == Agreement::differ);  // both fall, the finest stands
+  CHECK(judged(stands, 0, 0, 1, 0.2) == Agreement::differ);  // both fall, but the finest steps stand
   CHECK(judged(stands, 0, 1, 1, 0.2) == Agreement::differ);
-  CHECK(judged(stands, 1, 1, 0, 0.2) == Agreement::differ);    // both stand, the finest falls
+  CHECK(judged(stands, 1, 1, 0, 0.2) == Agreement::differ);    // both stand, but the finest steps fall
   CHECK(judged(stands, 1, 0, 1, 0.2) == Agreement::expected);  // Box2D has not converged
   CHECK(judged(stands, 0, 1, 0, 0.2) == Agreement::expected);
-  CHECK(judged(stands, 0.5, 0, 1, 0.2) == Agreement::differ);  // between the two is no answer here
+  CHECK(judged(stands, 0.5, 0, 1, 0.2) == Agreement::differ);  // a value between both is not expected here
   CHECK(judged(stands, 1, 1, 1, 0.2) == Agreement::agree);
   CHECK(judged(stands, 0, 0, 0, 0.2) == Agreement::agree);
 }
@@ -70,9 +70,9 @@ TEST_CASE("a difference that Box2D's finest steps do not remove stays one", "[ve
   CHECK(judged("top height", 3, 2, 3, 0.1) == Agreement::expected);
   CHECK(judged("top height", 3, 2, 2, 0.1) == Agreement::differ);
   CHECK(judged("top height", 3, 2, 2.5, 0.1) == Agreement::differ);
-  CHECK(judged("top height", 3, 2, 4, 0.1) == Agreement::expected);  // Box2D's own answers lie on either side
+  CHECK(judged("top height", 3, 2, 4, 0.1) == Agreement::expected);  // the value is between Box2D's values
   CHECK(judged("top height", 3, 3, 4, 0.1) == Agreement::agree);
-  // judge_by_finest leaves the criteria alone that judge body by body.
+  // judge_by_finest does not change the criteria of single bodies.
   CHECK(judged(verifier::place_criterion, 3, 2, 3, 0.1) == Agreement::differ);
 }
 

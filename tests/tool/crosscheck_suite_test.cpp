@@ -1,4 +1,4 @@
-// The suite of the cross-check: its scenes are sound, and it tells a solver that stands from one that does not.
+// The suite of the cross-check: its scenes are valid, and it distinguishes a standing solver from a falling one.
 // SPDX-License-Identifier: MIT
 #include "tool/study/crosscheck_suite.h"
 
@@ -90,7 +90,7 @@ TEST_CASE("scenes in which the default falls and Box2D's finest steps stand are 
     REQUIRE(stands != report.rows.end());
     CHECK(stands->verdict == Agreement::differ);
     CHECK(mean_of(stands->ours) == 0);
-    CHECK(mean_of(stands->box2d) == 0);  // both fall alike: only the finest steps tell
+    CHECK(mean_of(stands->box2d) == 0);  // both fall: only the finest steps show the difference
     REQUIRE_FALSE(stands->box2d_finest.empty());
     CHECK(mean_of(stands->box2d_finest) == 1);
   }
@@ -116,7 +116,8 @@ TEST_CASE("with its skin matched Box2D's tower is as high as its boxes", "[verif
     for (int tick = 0; tick < 300; ++tick) (*peer)->step();
     double top = 0;
     for (const engine::BodyReport& body : (*peer)->bodies()) top = std::max(top, body.center.y);
-    // Box2D leaves at most a slop of overlap at each of the five contacts; the skin holds them 1.5 cm apart each.
+    // Box2D leaves at most a slop of overlap at each of the five contacts. With the skin, each contact stays 1.5 cm
+    // apart.
     if (match_skin)
       CHECK(top == Approx(4.5).margin(5 * 0.005));
     else

@@ -55,7 +55,7 @@ std::vector<engine::ContactReport> stack_contacts(int count, double gap) {
   return contacts;
 }
 
-// A run whose bodies stay as given, at rest.
+// A run whose bodies stay at rest at the given places.
 CrosscheckRun run_of(const CrosscheckLayout& layout, const std::vector<engine::BodyReport>& bodies,
                      const std::vector<engine::ContactReport>& contacts, double contact_hertz = 0) {
   CrosscheckMeasure measure(layout, contact_hertz, 0.02);
@@ -101,7 +101,7 @@ TEST_CASE("the layout of a pyramid has each box on two and a row for each level"
   const CrosscheckLayout layout = verifier::make_layout(pyramid_scene(4));
   CHECK(layout.placed_count == 10);
   CHECK_FALSE(layout.is_column);
-  CHECK(layout.body_rows.size() == 3);  // the top is alone
+  CHECK(layout.body_rows.size() == 3);  // the top box has no neighbour
   CHECK(layout.bodies[10].supports.size() == 2);
 }
 
@@ -110,7 +110,7 @@ TEST_CASE("boxes in the air or moving are no structure", "[verifier][crosscheck]
   falling.bodies[1].position.y = 3;
   CHECK_FALSE(verifier::make_layout(falling).is_structure);
   CHECK_FALSE(verifier::make_layout(slide_scene(10, 0.5)).is_structure);
-  Scene hanging = stack_scene(3, 0.1);  // the body below each lies on nothing itself
+  Scene hanging = stack_scene(3, 0.1);  // the lower bodies lie on nothing themselves
   hanging.bodies[0].position.y -= 3;
   CHECK(verifier::make_layout(hanging).placed_count == 0);
 }
@@ -175,7 +175,7 @@ TEST_CASE("equal runs agree on every criterion that applies", "[verifier][crossc
   CHECK(rows.size() == 12);
   for (const CriterionResult& row : rows) {
     CAPTURE(row.criterion);
-    const bool applies = row.criterion != verifier::distance_criterion;  // all rest
+    const bool applies = row.criterion != verifier::distance_criterion;  // all bodies rest
     CHECK(row.verdict == (applies ? Agreement::agree : Agreement::not_applicable));
   }
 }
@@ -189,11 +189,11 @@ TEST_CASE("a top that is higher by Box2D's skin is expected, one that is higher 
   CHECK(verdict_of(rows, "top height") == Agreement::expected);
   CHECK(row_of(rows, "top height").reason.find("skin") != std::string::npos);
 
-  const std::vector<CrosscheckRun> floating(2, stack_run(layout, 10, 0.03));  // no skin is that thick
+  const std::vector<CrosscheckRun> floating(2, stack_run(layout, 10, 0.03));  // thicker than any skin
   CHECK(verdict_of(verifier::compare_runs(layout, ours, floating, skin), "top height") == Agreement::differ);
 
   std::vector<CrosscheckRun> lifted = skinned;
-  for (CrosscheckRun& run : lifted) run.top += 0.2;  // more than its gaps tell
+  for (CrosscheckRun& run : lifted) run.top += 0.2;  // more than its gaps explain
   CHECK(verdict_of(verifier::compare_runs(layout, ours, lifted, skin), "top height") == Agreement::differ);
 }
 
@@ -201,14 +201,14 @@ TEST_CASE("a deep overlap is expected only as far as soft contacts give under th
           "[verifier][crosscheck][analytic]") {
   const CrosscheckLayout layout = verifier::make_layout(stack_scene(10));
   const std::vector<CrosscheckRun> box2d(2, stack_run(layout, 10, 0.015));
-  // Force / (w^2 * effective mass) under 90 N between two boxes: 45 N a point, 0.2 kg.
+  // Force / (w^2 * effective mass) for 90 N between two boxes: 45 N per point, 0.2 kg.
   const double hertz = 13;
   const double stiffness = std::pow(2 * engine::pi * hertz, 2) * 0.2;
   REQUIRE(45 / stiffness > 0.03);
   std::vector<engine::ContactReport> contacts = stack_contacts(10, 0);
   for (engine::ContactReport& contact : contacts)
     for (int i = 0; i < 2; ++i) contact.separation[i] = -contact.normal_force[i] / stiffness;
-  contacts.erase(contacts.begin());  // against the ground contacts are stiffer
+  contacts.erase(contacts.begin());  // contacts with the ground are stiffer
   const std::vector<engine::BodyReport> bodies = reports_of(stack_scene(10));
   const std::vector<CrosscheckRun> soft(2, run_of(layout, bodies, contacts, hertz));
   CHECK(verdict_of(verifier::compare_runs(layout, soft, box2d, skin), "deepest overlap") == Agreement::expected);
@@ -395,11 +395,11 @@ TEST_CASE("seeds and seconds out of range are refused", "[verifier][crosscheck][
   CHECK_FALSE(verifier::crosscheck(stack_scene(1), options));
 }
 
-// ---- Body by body ----
+// ---- Single bodies ----
 
 namespace {
 
-// Two boxes on the ground, box 1 moved by `off` at the end; box 2 ends at a speed, `way` from its start.
+// Two boxes on the ground. Box 1 ends `off` from its start. Box 2 ends with a speed, `way` from its start.
 std::vector<CrosscheckRun> ended(const CrosscheckLayout& layout, const Scene& scene, std::vector<double> offs,
                                  double way = 0) {
   std::vector<CrosscheckRun> runs;
@@ -433,10 +433,10 @@ TEST_CASE("what rests in both rests within 2 cm or differs, unless Box2D's seeds
   CHECK(place(runs({0, 0}), runs({0.019, 0.019}), {}, {}).verdict == Agreement::agree);
   CHECK(place(runs({0, 0}), runs({0.021, 0.021}), {}, {}).verdict == Agreement::differ);
   CHECK(place(runs({0, 0}), runs({0.021, 0.021}), {}, {}).unit == "m, 2 of 2");
-  // Box2D's own seeds 3 cm apart: box 1 has no place, box 2 is left.
+  // Box2D's own seeds are 3 cm apart. Box 1 has no certain place, so only box 2 is judged.
   CHECK(place(runs({0, 0}), runs({0.1, 0.13}), {}, {}).verdict == Agreement::agree);
   CHECK(place(runs({0, 0}), runs({0.1, 0.13}), {}, {}).unit == "m, 1 of 2");
-  // The spread of our own runs widens no tolerance.
+  // The spread of the engine's own runs does not widen the tolerance.
   CHECK(place(runs({0, 0.1}), runs({0, 0}), {}, {}).verdict == Agreement::differ);
   CHECK(place(runs({0, 0}), runs({0.1, 0.1}), {runs({0.01, 0.01})}, {}).verdict == Agreement::expected);
   CHECK(place(runs({0, 0}), runs({0.1, 0.1}), {runs({0.2, 0.2})}, {}).unit == "m, 1 of 2");

@@ -1,4 +1,4 @@
-// What is drawn of a state is what the engine says of its bodies.
+// The drawn bodies of a state equal the bodies that the engine reports.
 // SPDX-License-Identifier: MIT
 #include "tool/drawing/drawing.h"
 
@@ -17,7 +17,7 @@ namespace {
 using verifier::Drawing;
 using verifier::DrawnBody;
 
-/// Every kind of shape, some of them off the body's origin, thrown and turning.
+/// Every kind of shape, some off the body's origin, moving and rotating.
 Scene all_shapes(Precision precision) {
   Scene scene = empty_scene(precision);
   scene.bodies.push_back(ground());
@@ -55,7 +55,7 @@ TEST_CASE("drawing: bodies stand where the engine says, in both precisions", "[v
       REQUIRE(drawn.size() == bodies.size());
       for (std::size_t i = 0; i < drawn.size(); ++i) {
         const verifier::Figure& figure = drawing.figures()[drawn[i].figure];
-        // Centres of mass are rounded to the engine's precision; the rest are the same bits.
+        // Centres of mass are rounded to the engine's precision. All other values have equal bits.
         const double off = precision == Precision::f32 ? 1e-5 : 1e-12;
         const Point origin = to_world(drawn[i], figure, {0, 0});
         CHECK(drawn[i].id == bodies[i].id);

@@ -17,7 +17,7 @@
 namespace ticktrue::test {
 namespace {
 
-/// Rounding upward as long as it lives.
+/// Rounds upwards during its lifetime.
 class RoundingUpward {
  public:
   RoundingUpward() : before_(std::fegetround()) { std::fesetround(FE_UPWARD); }
@@ -64,7 +64,7 @@ TEST_CASE("each worker thread looks at its own settings before it takes a job",
   CHECK(done == 20);
   CHECK(run_jobs(0, 4, [&](std::size_t) { ++done; }).has_value());
   CHECK(done == 20);
-  // New threads take over the settings of the one that starts them: all of them refuse.
+  // A new thread inherits the settings of the thread that starts it, so every worker refuses.
   Status status;
   {
     const RoundingUpward upward;

@@ -1,4 +1,4 @@
-// Mouse sessions: what becomes of their rows, what is refused, and the model that makes one.
+// Mouse sessions: the inputs from their rows, refusals, and the model that makes sessions.
 // SPDX-License-Identifier: MIT
 #include "tool/import/import_mouse.h"
 
@@ -91,14 +91,14 @@ TEST_CASE("presses, drags and releases fall into their ticks and places, and the
       "0.5,0.46,Left,Released,40,69\n"
       "0.5,1.0,NoButton,Move,50,69\n");
   REQUIRE(inputs.size() == 5);
-  // 100 x 200 px onto 10 x 20 m, middles of pixels, y turned over.
+  // 100 x 200 px map to 10 x 20 m. Inputs are at the centres of pixels, and y is inverted.
   CHECK(inputs[0].tick == 2);
   CHECK(inputs[0].kind == InputKind::press);
   CHECK(inputs[0].values[0] == Approx(0.95));
   CHECK(inputs[0].values[1] == Approx(20 - 4.95));
   CHECK(inputs[1].tick == 3);
   CHECK(inputs[1].kind == InputKind::drag);
-  CHECK(inputs[1].values[0] == Approx(3.05));  // the last of the two in this tick
+  CHECK(inputs[1].values[0] == Approx(3.05));  // the last of the two drags in this tick
   CHECK(inputs[1].values[1] == Approx(20 - 5.95));
   CHECK(inputs[2].tick == 4);
   CHECK(inputs[2].sequence == 0);
@@ -119,7 +119,7 @@ TEST_CASE("unknown positions are skipped, but a release counts wherever it is", 
       "0,0.4,Left,Released,65535,65535\n");
   REQUIRE(inputs.size() == 3);
   CHECK(inputs[0].kind == InputKind::press);
-  CHECK(inputs[0].values[0] == Approx(10 * 5.5 / 6));  // the screen is as large as the largest coordinates
+  CHECK(inputs[0].values[0] == Approx(10 * 5.5 / 6));  // the largest coordinates determine the size of the screen
   CHECK(inputs[1].kind == InputKind::release);
 }
 
@@ -265,7 +265,7 @@ TEST_CASE("the repository's session is the model's with seed 1 over 60 seconds",
 
 TEST_CASE("the sessions of real people have the presses that their table counts",
           "[verifier][import_mouse][.sessions]") {
-  // Their folder is given in TICKTRUE_SESSIONS; the repository does not carry them.
+  // TICKTRUE_SESSIONS names the folder of the sessions. The repository does not contain them.
   const char* folder = std::getenv("TICKTRUE_SESSIONS");
   if (folder == nullptr) {
     WARN("TICKTRUE_SESSIONS is not set: nothing was checked");

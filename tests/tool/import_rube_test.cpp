@@ -79,7 +79,7 @@ TEST_CASE("gravity, steps per second and continuous physics become settings", "[
 
 TEST_CASE("polygons are rounded by half the gap that Box2D leaves between them, circles are not",
           "[verifier][import_rube]") {
-  // Two skins of 0.01 m, 0.005 m inside each other.
+  // Two skins of 0.01 m that overlap by 0.005 m.
   const Shape square = shape_with(R"("polygon":{"vertices":{"x":[0,1,1,0],"y":[0,0,1,1]}})");
   CHECK(2 * square.radius == Approx(0.015));
   CHECK(shape_with(R"("circle":{"radius":1})").radius == 1);
@@ -141,7 +141,7 @@ TEST_CASE("the editor's mass becomes a stated one, its inertia moved to the cent
   CHECK(body.mass->center == Point{0.3, 0.4});
   REQUIRE(body.mass->inertia.has_value());
   CHECK(*body.mass->inertia == Approx(1.5 - 2 * 0.25));  // I_c = I_o - m |c|^2
-  // A body that does not turn has no inertia of its own; a static one no mass.
+  // A body with fixed rotation has no explicit inertia, and a static body has no explicit mass.
   const Body fixed =
       imported(world_of(R"({"type":2,"awake":true,"fixedRotation":true,)" + mass + disc + "}")).scene.bodies.at(0);
   CHECK_FALSE(fixed.mass->inertia.has_value());
@@ -214,7 +214,7 @@ TEST_CASE("a polygon is kept as it is, or cleaned as Box2D does and told", "[ver
   const Shape square = shape_with(R"("polygon":{"vertices":{"x":[0,1,1,0],"y":[0,0,1,1]}})");
   CHECK(square.kind == ShapeKind::polygon);
   CHECK(square.vertices == std::vector<Point>{{0, 0}, {1, 0}, {1, 1}, {0, 1}});
-  // One vertex on an edge, one almost on another vertex, one inside.
+  // One vertex is on an edge, one almost on another vertex, and one inside.
   const RubeImport import =
       imported(body_with(R"("polygon":{"vertices":{"x":[0,0.5,1,1.0001,1,0,0.4],"y":[0,0,0,0.0001,1,1,0.5]}})"));
   CHECK(import.scene.bodies.at(0).shapes.at(0).vertices.size() == 4);
@@ -251,7 +251,7 @@ TEST_CASE("a chain that closes itself is a loop without its repeated point", "[v
     CHECK(shape.vertices.size() == 4);
   }
   CHECK(import.notes.empty());
-  // Neighbour points of an open line are no part of it: a note names them, and they do not collide.
+  // Neighbour points of an open line are not part of the line. A note names them, and they do not collide.
   const RubeImport open = imported(
       body_with(R"("chain":{"vertices":{"x":[0,1,2],"y":[0,0,0]},"hasPrevVertex":true,"prevVertex":{"x":-1,"y":0}})"));
   CHECK(open.scene.bodies.at(0).shapes.at(0).vertices.size() == 3);
@@ -302,7 +302,8 @@ TEST_CASE("joints of every kind keep limits, motors and springs", "[verifier][im
   const Joint weld = joint_with(R"("type":"weld","refAngle":0.25,"frequency":2,"dampingRatio":0.5)");
   CHECK(weld.kind == JointKind::weld);
   CHECK(weld.reference_angle == 0.25);
-  // Box2D's stiffness is that of the inertias alone: I w^2 with w = 2 pi 2 Hz, the ground's counts as infinite.
+  // Box2D's stiffness follows from the inertias alone: I w^2 with w = 2 pi 2 Hz. The inertia of the ground counts as
+  // infinite.
   const double mass = engine::pi * 0.25;  // of the disc of 0.5 m
   const double inertia = mass * 0.125;
   const double omega = 4 * engine::pi;
@@ -319,7 +320,7 @@ TEST_CASE("joints of every kind keep limits, motors and springs", "[verifier][im
   CHECK(motor.angle_offset == 1);
   CHECK(motor.force_max == 8);
   CHECK(motor.torque_max == 9);
-  // Creeps back at omega / (2 damping_ratio) = correctionFactor / dt; the file has 50 steps a second.
+  // The joint returns at omega / (2 damping_ratio) = correctionFactor / dt. The file has 50 steps per second.
   const auto rate_of = [](const Joint& joint) {
     return engine::pi * joint.spring->hertz / joint.spring->damping_ratio;
   };
@@ -335,7 +336,7 @@ TEST_CASE("joints of every kind keep limits, motors and springs", "[verifier][im
       joint_with(R"("type":"mouse","target":{"x":1,"y":5},"maxForce":8,"frequency":5,"dampingRatio":1)");
   CHECK(mouse.kind == JointKind::target);
   CHECK(mouse.offset == Point{1, 5});
-  CHECK(mouse.anchor_b.x == Approx(3 * std::sin(1)));  // (0, 3) from the origin, the body turned by 1 rad
+  CHECK(mouse.anchor_b.x == Approx(3 * std::sin(1)));  // (0, 3) from the origin of a body rotated by 1 rad
   CHECK(mouse.anchor_b.y == Approx(3 * std::cos(1)));
   CHECK(mouse.body_a == 0);
   REQUIRE(mouse.spring.has_value());

@@ -1,4 +1,4 @@
-// Values of bodies, contacts and joints by name, and lines of CSV of them.
+// Values of bodies, contacts and joints by name, and their CSV lines.
 // SPDX-License-Identifier: MIT
 #include <cmath>
 #include <string>

@@ -1,4 +1,4 @@
-// Problems of one's own: what a file may say, what is refused and why, and the verdicts on them.
+// Users' problems: accepted files, refusals with reasons, and verdicts.
 // SPDX-License-Identifier: MIT
 #include "tool/study/problem_file/problem_file.h"
 
@@ -28,7 +28,7 @@ bool has_expressions() {
   return verifier::Expression::parse("1", "test").has_value();
 }
 
-/// A ball thrown at (3, 7) m/s that meets nothing.
+/// A ball thrown at (3, 7) m/s that hits nothing.
 std::string thrown(const std::string& more = "", const std::string& exact = R"("exact": ["3*t", "7*t - 5*t^2"])") {
   return R"({"scene": "projectile?solver=tgs_soft", "duration": 1, "samples": 10, "observe": ["bodies.0.x", "bodies.0.y"], )" +
          exact + more + "}";
@@ -194,7 +194,7 @@ std::vector<verifier::StressCase> stress_of(const std::string& json) {
   REQUIRE(cases.has_value());
   return *cases;
 }
-/// The value of the scene as it is stated.
+/// The value of the scene with its own settings.
 double stress_value(const std::string& json) {
   const std::vector<verifier::StressCase> cases = stress_of(json);
   REQUIRE(cases.size() == 1);
@@ -209,7 +209,7 @@ TEST_CASE("the example of a stress case shows what a load does", "[verifier][stu
   options.own = stress_of(verifier::example_stress);
   const auto rows = verifier::run_stress(options);
   REQUIRE(rows.has_value());
-  REQUIRE(rows->size() == 9);  // three loads under three methods, and no built-in case
+  REQUIRE(rows->size() == 9);  // three loads with three methods, and no built-in case
   CHECK((*rows)[0].name == "loaded bodies.5.shapes.0.density=1");
   CHECK((*rows)[0].verdict == verifier::StudyVerdict::pass);
   CHECK((*rows)[6].verdict == verifier::StudyVerdict::falls_short);

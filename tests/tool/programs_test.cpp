@@ -176,7 +176,7 @@ TEST_CASE("bytes that were changed in a report give a report or none, and no lan
   CHECK_FALSE(read_report("", schema));
 }
 
-/// A program that leaves the recording at `tick`; in both lanes of x, by these bits. 0: as recorded.
+/// A program that diverges from the recording at `tick`, in both lanes of x, by these bits. 0: as recorded.
 Report report_of_program(std::uint64_t tick, std::uint64_t x0, std::uint64_t x1) {
   Report report;
   report.file = "a.ttr";

@@ -1,4 +1,4 @@
-// Scenes with joints, also those drawn by other people for another engine: they run, hold together and end as there.
+// Scenes with joints, including scenes that others drew for Box2D: they run, hold together and end as in Box2D.
 // SPDX-License-Identifier: MIT
 #include <cmath>
 #include <cstdlib>
@@ -19,7 +19,7 @@ namespace ticktrue::test {
 namespace {
 
 constexpr double run_s = 60;
-constexpr double start_s = 2;           // files are drawn by hand: joints may start apart
+constexpr double start_s = 2;           // files are drawn by hand: joints may start with a gap
 constexpr double gap_share_max = 0.01;  // of the smaller body's size
 
 std::string text_of(const std::filesystem::path& path) {
@@ -41,8 +41,8 @@ bool is_finite(const engine::BodyReport& body) {
                        body.angular_velocity);
 }
 
-/// Runs a scene and checks that it stays finite and that its joints hold within 1 % of the smaller body, or as far as
-/// they were apart at the start.
+/// Runs a scene. Checks that the scene stays finite, and that joint gaps stay within 1 % of the smaller body or within
+/// the gaps at the start.
 void check_holds_together(const Scene& scene) {
   CAPTURE(scene.name);
   const auto made = engine::make_engine(scene);
@@ -73,7 +73,7 @@ void check_holds_together(const Scene& scene) {
   }
 }
 
-/// Two legs of a thigh and a shin each under a chassis; cranks with motors move the thighs.
+/// Two legs under a chassis, each with a thigh and a shin. Cranks with motors move the thighs.
 Scene walker_scene(double motor_speed) {
   Scene scene = empty_scene(Precision::f32);
   scene.name = "walker";
@@ -114,7 +114,7 @@ Scene walker_scene(double motor_speed) {
 const std::vector<std::string> rube_names{"bike",   "bodyTypes",  "car",       "gettingStarted",
                                           "images", "jointTypes", "mariotest", "walker"};
 
-// Their folder is given in TICKTRUE_RUBE; the repository does not carry them.
+// TICKTRUE_RUBE names the folder of the scenes. The repository does not contain them.
 const char* rube_folder() {
   const char* folder = std::getenv("TICKTRUE_RUBE");
   if (folder == nullptr) WARN("TICKTRUE_RUBE is not set: nothing was checked");
@@ -214,15 +214,15 @@ TEST_CASE("the editor's scenes end in Box2D as they do here, at rest and driven"
       REQUIRE(report.has_value());
       for (const verifier::CriterionResult& row : report->rows) {
         CAPTURE(row.criterion, row.difference, row.tolerance, row.unit, row.reason);
-        // A known shortfall, not an expected difference: the bike, which begins 3.6 cm inside the ground, and the
-        // walker, which sags at 4 substeps, rest up to 4.5 cm from where Box2D has them (docs/crosscheck.md). 5 cm only
-        // keeps that from growing.
+        // A known shortfall, not an expected difference (docs/crosscheck.md). The bike begins 3.6 cm inside the ground,
+        // and the walker yields with 4 substeps. Both rest up to 4.5 cm from Box2D's places. The limit of 5 cm keeps
+        // the shortfall from growing.
         const bool falls_short = name == "bike" || name == "walker";
         if (row.criterion == verifier::place_criterion && falls_short && row.verdict == verifier::Agreement::differ)
           CHECK(row.difference < 0.05);
         else if (row.criterion == verifier::place_criterion || row.criterion == verifier::distance_criterion)
           CHECK(row.verdict != verifier::Agreement::differ);
-        CHECK(row.criterion != "scene");  // of one that Box2D cannot do
+        CHECK(row.criterion != "scene");  // the row of a scene that Box2D does not support
       }
     }
 }

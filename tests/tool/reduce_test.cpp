@@ -1,4 +1,4 @@
-// `ticktrue reduce`: what counts as the same failure, later starts, neighbours, and searches over planted faults.
+// `ticktrue reduce`: equal failures, later starts, neighbours, and searches with injected faults.
 // SPDX-License-Identifier: MIT
 #include "tool/experiment/reduce/reduce.h"
 
@@ -37,7 +37,7 @@ Input input_of(std::uint64_t tick, InputKind kind, std::uint32_t body, std::init
   return input;
 }
 
-/// Columns of boxes on the ground, pushed now and then.
+/// Columns of boxes on the ground, pushed at times.
 SoakCase columns_of_boxes(int column_count, std::uint64_t tick_count) {
   SoakCase session{stack_scene(2), {}, tick_count};
   const Body box = session.scene.bodies[1];
@@ -54,7 +54,7 @@ SoakCase columns_of_boxes(int column_count, std::uint64_t tick_count) {
   return session;
 }
 
-/// The same in f32, with a spring on one box that no tick can hold.
+/// The same in f32, with a spring on one box that is too stiff for any tick.
 SoakCase with_stiff_spring(SoakCase session, std::uint32_t body) {
   session.scene.settings.precision = Precision::f32;
   engine::Force spring;
@@ -117,7 +117,7 @@ Result<std::optional<Failure>> judge_with_fault(const std::string& trace) {
   return failure_of_report(verifier::report_json({&report, 1}, false));
 }
 
-/// A toy that miscounts as soon as it has six bodies.
+/// A toy simulation that miscounts once it has six bodies.
 class CrowdedToy : public ToySimulation {
  public:
   using ToySimulation::ToySimulation;
@@ -289,7 +289,7 @@ TEST_CASE("a session that does not fail is refused", "[verifier][reduce][analyti
   CHECK(result.error().message.find("does not fail") != std::string::npos);
 }
 
-/// Fails whatever the session is, in a stage that the solver names.
+/// Fails with every session, in the stage of the solver.
 class FailsAlways : public Predicate {
  public:
   explicit FailsAlways(bool is_of_outcome = false) : is_of_outcome_(is_of_outcome) {}
@@ -384,7 +384,7 @@ TEST_CASE("what was written fails in the same way when it is read again", "[veri
   CHECK(written->size < 10'000);
   CHECK(written->command.find("--not-finite --once") != std::string::npos);
 
-  // A session that fails otherwise is not written as if it did.
+  // A session with another failure is not written as the same failure.
   ReduceResult wrong = *result;
   wrong.last.column = "rotation";
   const auto refused = write_result(wrong, *predicate, options_of(), folder.file("wrong"));
@@ -403,8 +403,8 @@ TEST_CASE("a session of a plug-in loses the ticks and inputs that its failure do
   REQUIRE(result);
   CHECK(is_same(result->first, result->last, false));
   CHECK(result->last.column == "charge");
-  CHECK(result->first.tick == 23);  // the fourth body that is spawned, one having gone
-  // Three more bodies are enough where none goes.
+  CHECK(result->first.tick == 23);  // the fourth spawned body, after one was removed
+  // If no body is removed, three more bodies are enough.
   CHECK(result->smallest.ticks.size() == 3);
   CHECK(result->smallest.input_count() == 3);
   REQUIRE(record_foreign(result->smallest, toy_info, folder.file("short.ttr")));
@@ -460,7 +460,7 @@ TEST_CASE("programs are judged by their report, their exit code or their crash",
   CHECK((*judge(R"(echo '{"schema":"ticktrue.verify/1","verdict":"diverged"}'; exit 1)"))->kind == "diverged");
   CHECK((*judge(R"(echo '{"schema":"ticktrue.verify/1","verdict":"diverged"}' > $TICKTRUE_RESULT; echo a)"))->kind ==
         "diverged");
-  CHECK_FALSE(judge("exit 0")->has_value());  // the report of the run before is gone
+  CHECK_FALSE(judge("exit 0")->has_value());  // the report of the previous run was removed
   CHECK_FALSE(program_judge({"/nonexistent/program"}, folder.file("."), 20)("trace").has_value());
 }
 

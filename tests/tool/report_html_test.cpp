@@ -1,8 +1,8 @@
-// The page of a report: what is in it, what cannot get into it, and how large it gets.
+// The page of a report: its content, escaping, and size.
 // SPDX-License-Identifier: MIT
 //
-// Verified: escapes, the frames' codes, the strip, the ghosts, the named bodies, the size, that the same trace gives
-// the same bytes. What a browser makes of the page is tests/page/page_test.py's.
+// Verified: escapes, coded frames, the strip, the ghosts, the named bodies, the size, and equal bytes for equal traces.
+// Not verified: the view in a browser (tests/page/page_test.py tests it).
 #include <cmath>
 #include <nlohmann/json.hpp>
 
@@ -32,7 +32,7 @@ using verifier::TickMatch;
 
 constexpr const char* hostile_name = "</script><img src=x onerror=alert(1)><!--\"'&{{js}}";
 
-/// Boxes that fall on each other; the third has a name that would like to be markup.
+/// Boxes that fall on each other. The name of the third body contains markup.
 Scene falling_boxes(int count) {
   Scene scene = stack_scene(count, 0.5, Precision::f32);
   scene.name = hostile_name;
@@ -122,7 +122,7 @@ TEST_CASE("report page: the facts in it are those of verify --json, whatever bod
   CHECK(page.exit_code == 1);
   CHECK(data["film"]["playback"]["named"] == Json::array({3}));
   CHECK(data["film"]["playback"]["bodies"]["names"][3] == hostile_name);
-  // Two scripts, one style, no element of the name's.
+  // Two scripts, one style, and no element from the name.
   CHECK(occurrences_of(page.html, "<script") == 2);
   CHECK(occurrences_of(page.html, "</script") == 2);
   CHECK(occurrences_of(page.html, "<img") == 0);
@@ -156,7 +156,7 @@ TEST_CASE("report page: text and JSON are escaped", "[verifier][report_html][ana
   CHECK(Json::parse(safe) == Json::array({"</script>", "<!--", "a&b"}));
 }
 
-/// [body][frame in which the body exists], as tool/report_page/frame_coding.h says.
+/// Poses by [body][frame in which the body exists], coded as in tool/report_page/frame_coding.h.
 std::vector<std::vector<verifier::GridPose>> decode_frames(const verifier::CodedFrames& coded,
                                                            const std::vector<std::uint64_t>& ticks_done) {
   ByteReader in(coded.numbers);
@@ -200,7 +200,7 @@ TEST_CASE("report page: frames come back from their codes as they were on the gr
     frame.ticks_done = tick;
     for (std::uint32_t b = 0; b < body_count; ++b) {
       poses[b].body = b;
-      // At rest, drifting, shaking, leaping, and one that flies off; the second is away for a while.
+      // Bodies at rest, drifting, shaking, jumping, and one that flies away. The second body is absent for a while.
       const double reach[] = {0, 0.01, 0.2, 500, 1e9};
       poses[b].x += b == 1 ? 0.02 : random(reach[b]);
       poses[b].y += random(reach[b]);
@@ -286,14 +286,14 @@ TEST_CASE("report page: against another trace both are shown as they were record
   CHECK(data["against"]["diff"]["verdict"] == "different");
   CHECK(data["against"]["diff"]["divergence"]["tick"] == 10);
   CHECK(data["focus"] == 11);
-  // A difference is on top of the page and in both strips, though each trace is as recorded by its own build.
+  // The top of the page and both strips show a difference, although each trace matches its own build.
   CHECK(data["headline"]["verdict"] == "different");
   CHECK(data["headline"]["sentence"] == "this trace and b.ttr differ from tick 10 on");
   CHECK(data["against"]["differing"] == Json::array({Json::array({10, 59})}));
   CHECK(occurrences_of(page.html, "<title>different: a.ttr - ticktrue</title>") == 1);
   CHECK(occurrences_of(page.html, "\ndifferent  ") == 1);
   const Json& playback = data["film"]["playback"];
-  // The flipped bit is in a velocity: positions differ from the tick behind it on.
+  // The flipped bit is in a velocity, so positions differ from the next tick on.
   CHECK(playback["ghosts"]["ticks"].front() == 12);
   CHECK(playback["ghosts"]["ticks"].back() == 60);
   CHECK_FALSE(playback["drift"].is_null());
@@ -344,7 +344,7 @@ TEST_CASE("report page: frames are left out until it fits, but for those around 
   const auto ticks = playback["bodies"]["ticks"].get<std::vector<std::uint64_t>>();
   for (std::uint64_t tick = 580; tick < 640; ++tick) CHECK(std::find(ticks.begin(), ticks.end(), tick) != ticks.end());
   CHECK(ticks.back() == 1200);
-  options.size_max = 100;  // cannot be: the page without playback remains
+  options.size_max = 100;  // impossible: the page without playback remains
   const Json least = data_of(page_of(path, options));
   CHECK(least["film"]["playback"].is_null());
   CHECK_FALSE(least["film"]["no_poses"].get<std::string>().empty());

@@ -1,4 +1,4 @@
-// The soak: its oracle finds injected faults, its shrinker makes them small, and its counts do not depend on breaks.
+// The soak: its oracle finds injected faults, its shrinker makes worlds small, and pauses do not change its counts.
 // SPDX-License-Identifier: MIT
 #include "tool/experiment/soak/soak.h"
 
@@ -39,7 +39,7 @@ Input input_at(std::uint64_t tick, InputKind kind, std::uint32_t body = 0) {
   return input;
 }
 
-/// A few boxes on the ground that are pushed now and then.
+/// A few boxes on the ground, pushed at times.
 SoakCase small_case(std::uint64_t seed, int count = 4, std::uint64_t tick_count = 24) {
   SoakCase soak_case{stack_scene(count, 0.05), {}, tick_count};
   soak_case.scene.inputs = {InputKind::impulse};
@@ -67,7 +67,7 @@ WorldSource small_worlds() {
   return source;
 }
 
-/// Flips a bit of a velocity of the body in the last row on request: the lowest bit by default.
+/// On request, flips a bit in a velocity of the last body; the lowest bit by default.
 class FlippingEngine : public ForwardingEngine {
  public:
   using ForwardingEngine::ForwardingEngine;
@@ -93,7 +93,7 @@ class FlippingEngine : public ForwardingEngine {
   virtual std::size_t flipped_byte() const { return 0; }
 };
 
-/// In one tick a velocity of an f64 world changes by a millionth of itself.
+/// Changes a velocity of an f64 world by a millionth in one tick.
 class PushesOnce : public FlippingEngine {
  public:
   static constexpr std::uint64_t pushed_tick = 20;
@@ -104,7 +104,7 @@ class PushesOnce : public FlippingEngine {
   std::size_t flipped_byte() const override { return 4; }  // of the mantissa: bit 32 of 52
 };
 
-/// Forgetting the pair list when there are many bodies changes a bit of the next tick.
+/// If many bodies exist, dropping the pair list changes a bit of the next tick.
 class ForgetsWrongly : public FlippingEngine {
  public:
   using FlippingEngine::FlippingEngine;
@@ -150,7 +150,7 @@ class LoadsWrongly : public FlippingEngine {
   bool loaded_ = false;
 };
 
-/// Shows a velocity of -0 at a tick.
+/// Shows a velocity of -0 in one tick.
 class ShowsNegativeZero : public ForwardingEngine {
  public:
   using ForwardingEngine::ForwardingEngine;
@@ -172,7 +172,7 @@ class ShowsNegativeZero : public ForwardingEngine {
   mutable Bytes rows_;
 };
 
-/// Counts each tick as a hit of the pair list, unless it was just forgotten.
+/// Counts each tick as a hit of the pair list, unless the list was just dropped.
 class CountsHits : public ForwardingEngine {
  public:
   using ForwardingEngine::ForwardingEngine;
@@ -214,7 +214,7 @@ struct OracleFixture {
   OracleOptions options;
   explicit OracleFixture(EngineMaker make = engine::make_engine) {
     options.make = std::move(make);
-    options.checks.wanted[static_cast<std::size_t>(CheckKind::zeros)] = false;  // injected faults alone
+    options.checks.wanted[static_cast<std::size_t>(CheckKind::zeros)] = false;  // only injected faults are tested
     options.files.path = folder.file("world.ttr");
   }
 };
@@ -274,12 +274,12 @@ TEST_CASE("bodies that are left out take joints, forces and inputs along, and id
   CHECK(some.scene.joints[0].body_b == 2);
   CHECK(some.scene.forces.empty());
   REQUIRE(some.inputs.size() == 4);
-  CHECK(some.inputs[2].body == 2);  // was 4
-  CHECK(some.inputs[3].body == 4);  // the second one that is spawned
+  CHECK(some.inputs[2].body == 2);  // previously 4
+  CHECK(some.inputs[3].body == 4);  // the second spawned body
 
   const SoakCase later = with_inputs(all, {1, 4});
   REQUIRE(later.inputs.size() == 2);
-  CHECK(later.inputs[1].body == 6);  // now the first one that is spawned
+  CHECK(later.inputs[1].body == 6);  // now the first spawned body
   CHECK(with_inputs(all, {0, 4}).inputs.size() == 1);
 }
 
@@ -300,7 +300,7 @@ TEST_CASE("a world is shrunk to what a predicate asks for", "[verifier][soak][an
   REQUIRE(predicate(failing));
   const ShrinkResult result = shrink(failing, predicate);
   CHECK(predicate(result.smallest));
-  CHECK(result.smallest.scene.bodies.size() <= 3);  // the joint's, and one to push
+  CHECK(result.smallest.scene.bodies.size() <= 3);  // the two bodies of the joint, and one to push
   CHECK(result.smallest.inputs.size() == 1);
   CHECK(result.smallest.tick_count == 34);
   CHECK_FALSE(result.smallest.scene.settings.sleep);
@@ -332,7 +332,7 @@ TEST_CASE("the oracle finds injected faults, each by its check", "[verifier][soa
     const char* name;
     EngineMaker make;
     CheckKind found_by;
-    std::uint64_t tick;  // that is named; no_tick: it depends on the seed
+    std::uint64_t tick;  // the expected tick; no_tick: depends on the seed
   };
   constexpr std::uint64_t no_tick = UINT64_MAX;
   const InjectedFault faults[] = {
@@ -383,7 +383,7 @@ TEST_CASE("a stored -0 is found with its place", "[verifier][soak][corruption]")
 
 TEST_CASE("momentum is checked wherever it is asked for, and not where the thesis' solver loses it",
           "[verifier][soak][conservation]") {
-  // A disc of 1 kg meets one of 12,000 kg, which `impulse` takes for static.
+  // A disc of 1 kg hits a disc of 12,000 kg, which `impulse` treats as static.
   SoakCase soak_case{flight_scene(Precision::f64, body_of(disc_shape(0.5), {0, 0})), {}, 30};
   soak_case.scene.settings.solver = engine::SolverKind::impulse;
   soak_case.scene.bodies[0].velocity = {10, 0};
@@ -402,7 +402,7 @@ TEST_CASE("momentum is checked wherever it is asked for, and not where the thesi
 
 TEST_CASE("a planted change of momentum is found under every solver", "[verifier][soak][conservation]") {
   for (const auto& solver : engine::solvers) {
-    if (solver.kind == engine::SolverKind::free_flight) continue;  // refuses bodies that may collide
+    if (solver.kind == engine::SolverKind::free_flight) continue;  // this solver refuses bodies that may collide
     SoakCase soak_case{flight_scene(Precision::f64, body_of(disc_shape(0.5), {0, 0})), {}, 30};
     soak_case.scene.settings.solver = solver.kind;
     soak_case.scene.bodies[0].velocity = {3, 0};
@@ -427,7 +427,7 @@ TEST_CASE("comparisons count while the base run uses a structure again", "[verif
   const WorldResult result = examine(soak_case, 2, fixture.options);
   constexpr auto counted = static_cast<std::size_t>(engine::CacheKind::pair_list);
   CHECK(result.base.caches[counted].hits == soak_case.tick_count);
-  CHECK(result.tally.while_hit[counted] == soak_case.tick_count);  // of the cold run alone: the other one hits as well
+  CHECK(result.tally.while_hit[counted] == soak_case.tick_count);  // of the cold run; the other variant hits as well
   CHECK(result.tally.while_hit[counted + 1] == 0);
 }
 
@@ -470,7 +470,7 @@ TEST_CASE("a soak that was resumed counts the same as one that was not", "[verif
   parts.resume = true;
   const auto second = run_soak(parts);
   REQUIRE(second);
-  CHECK(second->new_worlds == 72);  // those of the second block were not kept
+  CHECK(second->new_worlds == 72);  // the worlds of the interrupted second block were not saved
   CHECK(print_progress({}, second->counters) == print_progress({}, whole->counters));
 
   SoakReport report_a = *whole, report_b = *second;
@@ -518,7 +518,7 @@ TEST_CASE("a soak in which a cached structure was never hit is no match", "[veri
   CHECK(never_hit(options, report->counters).empty());
   options.hits_expected_after = 16;
   CHECK(never_hit(options, report->counters) ==
-        std::vector<std::string>{"manifolds", "joint_plan", "joint_graph", "cell_side"});  // worlds of two boxes
+        std::vector<std::string>{"manifolds", "joint_plan", "joint_graph", "cell_side"});  // only worlds of two boxes
   const std::string text = soak_text(options, *report, {});
   CHECK(text.rfind("FOUND", 0) == 0);
   CHECK(text.find("cached structure that was never hit: found joint_plan") != std::string::npos);

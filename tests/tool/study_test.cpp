@@ -1,4 +1,4 @@
-// The studies: slopes and verdicts on made-up errors, references against published digits, small cases of each.
+// The studies: slopes and verdicts on invented errors, references against published digits, small cases of each study.
 // SPDX-License-Identifier: MIT
 #include <algorithm>
 #include <array>
@@ -50,7 +50,7 @@ struct Flow {
   Point v;
 };
 
-// The classical scheme with four weights of its own (1, 2, 2, 1 are right), as a stand-in for the engine's.
+// The classical scheme with custom weights (1, 2, 2, 1 are correct), in place of the engine's integrator.
 Flow stepped(const Problem& problem, const Flow& s, double h, const std::array<double, 4>& weights) {
   const auto rate = [&](const Flow& at) { return Flow{at.v, problem.acceleration(at.x, at.v)}; };
   const auto moved = [](const Flow& a, const Flow& k, double t) {
@@ -66,7 +66,7 @@ Flow stepped(const Problem& problem, const Flow& s, double h, const std::array<d
   return moved(out, k4, h / 6 * weights[3]);
 }
 
-// The judgement of `ticktrue accuracy` on the stand-in: same problem, same steps.
+// The judgement of `ticktrue accuracy` on the stand-in, with the same problem and steps.
 Judgement judgement_of(const Problem& problem, const std::array<double, 4>& weights) {
   const Method rk4{"rk4", engine::SolverKind::free_flight, engine::IntegratorKind::rk4};
   std::vector<double> steps, errors, floors;
@@ -148,7 +148,7 @@ TEST_CASE("a missed bar makes a curve fail, or fall short where that is document
   CHECK(judged(StudyVerdict::pass).verdict == StudyVerdict::fail);
   CHECK(judged(StudyVerdict::pass).reason == "error 0.011 at 4 sub, bar 0.01");
   problem.shortfalls = {{"m", "why", 0.0105, 3}};
-  CHECK(judged(StudyVerdict::pass).verdict == StudyVerdict::fail);  // more than is known
+  CHECK(judged(StudyVerdict::pass).verdict == StudyVerdict::fail);  // larger than the documented miss
   problem.shortfalls[0].error = 0.012;
   CHECK(judged(StudyVerdict::pass).verdict == StudyVerdict::falls_short);
   CHECK(judged(StudyVerdict::pass).reason == "error 0.011 at 4 sub, bar 0.01: why");
@@ -189,12 +189,12 @@ TEST_CASE("rk4 with two stage weights swapped fails on every smooth problem that
     CAPTURE(problem.name);
     const Judgement right = judgement_of(problem, {1, 2, 2, 1});
     CAPTURE(right.reason, right.slope.value_or(0));
-    if (problem.name == "spin") continue;  // no forces: every weight that sums up to one is right
+    if (problem.name == "spin") continue;  // without forces, all weights with sum 1 are correct
     CHECK(right.verdict == StudyVerdict::pass);
     const Judgement swapped = judgement_of(problem, {2, 1, 2, 1});
     CAPTURE(swapped.reason, swapped.slope.value_or(0));
     CHECK(swapped.verdict == StudyVerdict::fail);
-    if (!swapped.expected) continue;  // exact: an error beyond rounding is named instead
+    if (!swapped.expected) continue;  // exact: the reason names an error beyond rounding instead
     REQUIRE(swapped.slope.has_value());
     CHECK(*swapped.slope == Approx(1).margin(0.15));
     ++judged;
@@ -203,7 +203,7 @@ TEST_CASE("rk4 with two stage weights swapped fails on every smooth problem that
 }
 
 TEST_CASE("references agree with published digits", "[verifier][study]") {
-  // Accuracy anchors 4.2, problems 5, 7a, 7b: computed elsewhere to 15 digits.
+  // Accuracy anchors 4.2, problems 5, 7a, 7b: computed independently to 15 digits.
   CHECK(double_pendulum_90[18] == Approx(-0.6629799257481).epsilon(1e-12));
   CHECK(double_pendulum_90[19] == Approx(-1.04638763323205).epsilon(1e-12));
   CHECK(double_pendulum_90[38] == Approx(-0.424982716481034).epsilon(1e-12));
@@ -215,7 +215,7 @@ TEST_CASE("references agree with published digits", "[verifier][study]") {
   // The first apex after one bounce with 0.8 from 1 m: 0.64 m.
   const double apex_s = std::sqrt(0.2) * (1 + 0.8);
   CHECK(bouncing_height(1, 0.8, apex_s) == Approx(0.64).epsilon(1e-12));
-  // A polygon of many corners rolls almost as a disc, one of three stops on its next side or the first.
+  // A polygon with many corners rolls almost like a disc. A triangle stops on its next side or on the first.
   CHECK(rolled_angle[13][19] < rolling_spin * 2);
   CHECK(std::fabs(std::remainder(rolled_angle[0][19], 2 * engine::pi / 3)) < 0.05);
 }
@@ -274,7 +274,7 @@ TEST_CASE("beside a peer, half its best error at no more time holds, more does n
   curves.box2d[1].error = 0.06;
   conclude(curves);
   CHECK_FALSE(curves.holds);
-  curves.box2d[1] = point(0.06, 0.5);  // quicker than any of ours
+  curves.box2d[1] = point(0.06, 0.5);  // faster than any of our settings
   conclude(curves);
   CHECK_FALSE(curves.holds);
 }
@@ -387,14 +387,14 @@ TEST_CASE("compare calls a broad phase equal in bits, an integrator drift, and a
   CHECK(report->rows[0].position_max == 0);
   CHECK(report->rows[1].verdict == CompareVerdict::drift);
   CHECK(report->rows[1].first_different.has_value());
-  CHECK(report->rows[1].position_max > 1e-4);  // 16 times the sag
+  CHECK(report->rows[1].position_max > 1e-4);  // 16 times the yield
   CHECK(report->rows[2].verdict == CompareVerdict::not_applicable);
   CHECK_FALSE(report->rows[2].reason.empty());
 }
 
 TEST_CASE("compare finds every column equal whatever the threads of a tick, and not under another solver",
           "[verifier][study][threads]") {
-  auto scene = engine::make_builtin_scene("pyramid?base=30");  // large enough that threads are asked
+  auto scene = engine::make_builtin_scene("pyramid?base=30");  // large enough to use threads
   REQUIRE(scene);
   CompareSession session;
   session.scene = *scene;
@@ -431,7 +431,7 @@ TEST_CASE("compare finds every column equal whatever the threads of a tick, and 
 }
 
 TEST_CASE("a variant with other ticks is compared at equal times", "[verifier][study]") {
-  // A projectile under velocity Verlet is exact at every dt, so that all differences are rounding.
+  // With velocity Verlet, a projectile is exact at every dt, so all differences are rounding.
   auto scene = engine::make_builtin_scene("projectile?precision=f64&integrator=velocity_verlet");
   REQUIRE(scene);
   CompareSession session;
@@ -465,7 +465,7 @@ TEST_CASE("a key of the scene is varied, and its effect is the law's", "[verifie
   const auto report = compare_variants(session, *variants, {});
   REQUIRE(report.has_value());
   for (std::size_t i = 0; i < 4; ++i) {
-    // Friction is the root of the product of both: all stop, the base after v^2 / (2 mu g).
+    // The friction is the root of the product of both materials. All bodies stop, in the base after v^2 / (2 mu g).
     const CompareRow& row = report->rows[i];
     CAPTURE(row.variant.name, row.reason);
     const auto way = [](double friction) { return 16 / (2 * std::sqrt(friction * 0.5) * 10); };
@@ -475,7 +475,7 @@ TEST_CASE("a key of the scene is varied, and its effect is the law's", "[verifie
     CHECK(row.samples.back().energy < row.samples.front().energy - 1);
     CHECK(row.samples.back().momentum < 1e-3);
   }
-  CHECK(report->rows[1].verdict == CompareVerdict::same_bits);  // the friction of the scene itself
+  CHECK(report->rows[1].verdict == CompareVerdict::same_bits);  // this friction equals that of the scene
   const auto product = with_varied(*variants, session.scene, {"gravity.1", {"-5", "-20"}}, "--vary");
   REQUIRE(product.has_value());
   REQUIRE(product->size() == 8);

@@ -1,4 +1,4 @@
-// Two lists of marks: the first that differs, and how many came from which function.
+// Two lists of marks: the first difference, and the number of marks from each function.
 // SPDX-License-Identifier: MIT
 #include <algorithm>
 #include <string>
@@ -14,7 +14,7 @@ namespace {
 using trail::FirstKind;
 using trail::MarkSide;
 
-/// A mark as "name", value, functions from the innermost on.
+/// A mark: name, value, and functions from the innermost outwards.
 struct MadeMark {
   std::string name;
   std::uint64_t value = 0;
@@ -69,7 +69,7 @@ TEST_CASE("one more draw is the first difference, though all values behind it ar
   CHECK(fewer.first->there->value == 12);
   CHECK(fewer.callers[0].here == 1);
 
-  // If the other side has no stacks, the order is compared alike, and the callers of this side are named.
+  // If the other side has no stacks, the order is compared in the same way, and the callers of this side are named.
   const trail::ListDifference alone = compare_lists(here, nullptr, {"rand"});
   CHECK_FALSE(alone.first);
   CHECK_FALSE(alone.compares_callers);

@@ -1,4 +1,4 @@
-// Notes on scenes: bounces of restitution 1 that lose energy, and places that f32 rounds too coarsely.
+// Notes on scenes: restitution 1 that loses energy, and places where f32 rounds too coarsely.
 // SPDX-License-Identifier: MIT
 #include "tool/output/scene_notes.h"
 
@@ -35,7 +35,7 @@ TEST_CASE("restitution 1 is told where it loses energy", "[verifier][session][no
   Scene scene = ball(1, 0);
   CHECK(tells(scene, "restitution 1"));
   CHECK(tells(scene, "\"locate_impacts\": true"));
-  scene.settings.integrator = engine::IntegratorKind::velocity_verlet;  // which locates nothing
+  scene.settings.integrator = engine::IntegratorKind::velocity_verlet;  // this integrator locates no impacts
   CHECK(tells(scene, "restitution 1"));
   CHECK_FALSE(tells(scene, "locate_impacts"));
   scene = ball(1, 0);
@@ -53,7 +53,7 @@ TEST_CASE("restitution 1 is told only if a pair has it", "[verifier][session][no
   scene = ball(0, 1);
   scene.bodies[0].shapes[0].sensor = true;
   CHECK(scene_notes(scene).empty());
-  // Two static bodies do not meet, and a single ball meets nobody.
+  // Two static bodies never collide, and a single ball has no partner.
   scene = ball(0, 0);
   scene.bodies.push_back(scene.bodies[0]);
   scene.settings.restitution_mix = engine::MixRule::geometric_mean;
@@ -74,7 +74,7 @@ TEST_CASE("two of one prototype may meet", "[verifier][session][notes]") {
 
 TEST_CASE("f32 far from the origin is told beyond 2^17 sizes of the smallest moving shape",
           "[verifier][session][notes]") {
-  Scene scene = ball(0, 0);  // the disc has 1 m
+  Scene scene = ball(0, 0);  // the disc is 1 m wide
   scene.bodies[1].position.x = 0x1p17;
   CHECK(scene_notes(scene).empty());
   scene.bodies[1].position.x = -0x1p17 * 1.001;
@@ -82,7 +82,7 @@ TEST_CASE("f32 far from the origin is told beyond 2^17 sizes of the smallest mov
   CHECK(tells(scene, "0.016 m"));  // 2^(17 - 23)
   scene.settings.precision = Precision::f64;
   CHECK(scene_notes(scene).empty());
-  // A thin box counts by its thickness.
+  // The thickness of a thin box counts as its size.
   scene.settings.precision = Precision::f32;
   scene.bodies[1].position.x = 2000;
   CHECK(scene_notes(scene).empty());

@@ -1,4 +1,4 @@
-// Pictures come as often as they should, whatever single ones take.
+// Pictures appear at the requested rate, however long single pictures take.
 // SPDX-License-Identifier: MIT
 #include "tool/play/window/pacing.h"
 
@@ -15,7 +15,8 @@ Pacer::Clock::duration seconds(double value) {
   return std::chrono::duration_cast<Pacer::Clock::duration>(std::chrono::duration<double>(value));
 }
 
-/// The time of `count` pictures, s, on a made-up clock. A wait ends `oversleep_s` late; `work_s` of the n-th picture.
+/// The time of `count` pictures on a simulated clock, s. A wait ends `oversleep_s` late. `work_s` is the time of the
+/// n-th picture.
 template <typename Work>
 double time_of(int count, double oversleep_s, Work work_s) {
   Pacer pacer;
@@ -36,7 +37,7 @@ TEST_CASE("1200 pictures take 20 s, also where waits end late and some pictures 
   const auto some_slow = [](int i) { return i % 50 == 49 ? 0.045 : 0.004; };
   for (const double oversleep_s : {0.0, 0.0011}) {
     CAPTURE(oversleep_s);
-    // Off by no more than a wait that ends late, and the one picture that may be late at the end.
+    // The error is at most one late wait, plus one late picture at the end.
     CHECK(std::abs(time_of(1200, oversleep_s, even) - 20) < 0.0012);
     CHECK(std::abs(time_of(1200, oversleep_s, uneven) - 20) < 0.0012);
     CHECK(std::abs(time_of(1200, oversleep_s, some_slow) - 20) < 0.045);

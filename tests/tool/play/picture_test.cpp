@@ -1,4 +1,5 @@
-// What is drawn is where the state says; shapes cover what geometry says; pictures are whole PNG files.
+// Bodies are drawn at their places in the state, shapes cover their geometric area, and pictures are complete PNG
+// files.
 // SPDX-License-Identifier: MIT
 #include <cmath>
 #include <set>
@@ -31,7 +32,7 @@ using play::Pixel;
 constexpr Color black{0, 0, 0};
 constexpr Color white{255, 255, 255};
 
-/// Sum and first moments of how white a picture is.
+/// Sum and first moments of the whiteness of a picture.
 struct Ink {
   double area = 0;
   Pixel middle;
@@ -107,7 +108,7 @@ TEST_CASE("every letter has ink of its own", "[play][font]") {
   }
 }
 
-/// A world of one body: the picture shows that body alone.
+/// A scene with one body. The picture shows only this body.
 engine::Scene scene_with(const engine::Shape& shape) {
   engine::Scene scene;
   engine::Body body;
@@ -136,7 +137,7 @@ TEST_CASE("the pixels of a body have their middle where its centre of mass proje
       play::WorldPicture picture(*engine);
       picture.draw(with, view, {});
       play::draw_ground(without, view);
-      // Every pixel that differs from the empty ground counts: edge and fill.
+      // Counts every pixel that differs from the empty background: edge and fill.
       Canvas difference(view.width, view.height);
       difference.clear(black);
       double area = 0;
@@ -150,10 +151,11 @@ TEST_CASE("the pixels of a body have their middle where its centre of mass proje
       const Pixel expected = view.to_pixel(body.center);
       const Ink ink = ink_of(difference);
       CAPTURE(static_cast<int>(shape.kind), rounding);
-      // Half a pixel around the outline is touched too, evenly: it moves a lopsided shape's middle by less than 2 px.
+      // Half a pixel around the outline also changes. The change is even, so the centre of an asymmetric shape moves by
+      // less than 2 px.
       CHECK(ink.middle.x == Approx(expected.x).margin(2));
       CHECK(ink.middle.y == Approx(expected.y).margin(2));
-      const double whole = body.mass / 1.0 * view.scale * view.scale;  // density 1: mass is area
+      const double whole = body.mass / 1.0 * view.scale * view.scale;  // density 1: the mass is the area
       CHECK(area > whole);
       CHECK(area < whole * 1.15);
     }
@@ -273,7 +275,7 @@ TEST_CASE("a zlib stream holds the bytes it was made of", "[play][png]") {
     CHECK(stream.size() < size / 2 + 20);
     stbi_image_free(found);
   }
-  CHECK(zlib_of({}) == Bytes{0x78, 0x01, 0x03, 0x00, 0x00, 0x00, 0x00, 0x01});  // as Python's zlib.decompress reads it
+  CHECK(zlib_of({}) == Bytes{0x78, 0x01, 0x03, 0x00, 0x00, 0x00, 0x00, 0x01});  // readable by Python's zlib.decompress
 }
 
 }  // namespace

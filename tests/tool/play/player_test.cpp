@@ -90,12 +90,12 @@ TEST_CASE("a divergence stops the player, and the verifier names the body whose 
     REQUIRE(player->report()->divergence);
     CHECK(player->report()->divergence->tick == 130);
     CHECK((player->recorded_image() != nullptr) == (detail == replay::Detail::full));
-    // Where the state is not stored, a search finds the one bit that explains the recorded hash.
+    // If the state is not stored, a search finds the single bit that explains the recorded hash.
     REQUIRE(player->report()->divergence->rows.size() == 1);
     const verifier::LaneReport& row = player->report()->divergence->rows[0];
     CHECK(row.column == "velocity");
     CHECK(*row.expected != *row.got);
-    // Behind it the run here goes on: no checkpoint of the other run is loaded.
+    // After the divergence, this run continues. No checkpoint of the other run is loaded.
     player->go_to(240, true, never);
     CHECK(player->position() == 240);
     const std::uint64_t end = root_hash(player->engine().state());
@@ -163,7 +163,7 @@ TEST_CASE("keys and timeline lead where they say", "[play][playback]") {
     return player->position();
   };
   for (int i = 0; i < 30; ++i) playback.take(frame_with({}), never);
-  CHECK(player->position() == Approx(30).margin(1));  // it plays, at the speed of time
+  CHECK(player->position() == Approx(30).margin(1));  // plays at the speed of time
   press("space");
   const std::uint64_t here = player->position();
   CHECK(press("space") >= here);
@@ -243,7 +243,7 @@ TEST_CASE("a second trace is kept at the same tick", "[play][playback]") {
   CHECK(other->position() == 60);
   playback.take(frame_with({key("end")}), never);
   CHECK(one->position() == 100);
-  CHECK(other->position() == 80);  // its end
+  CHECK(other->position() == 80);  // the end of the trace
 }
 
 }  // namespace

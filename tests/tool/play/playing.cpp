@@ -60,7 +60,7 @@ PlayedSession play_script(const engine::Scene& scene, const std::string& script,
   choices.detail = replay::Detail::cells;
   replay::RecordOptions options;
   options.writer.sync = false;
-  options.tick_count = 10'000;  // of a script that forgets to quit
+  options.tick_count = 10'000;  // limit for a script that never quits
   const auto result = replay::record(engine, session, path, verifier::make_trace_setup(engine, choices),
                                      verifier::make_build_facts(), options);
   if (!result) FAIL(result.error().message);
@@ -96,7 +96,7 @@ void record_flipped(const engine::Scene& scene, std::uint64_t tick_count, std::u
         offset += 4 + state.tables[t].row_count * state.schema->tables[t].row_size;
       Bytes image;
       encode_image(state, image);
-      image[offset + 4] ^= 1;  // behind the table's row count
+      image[offset + 4] ^= 1;  // after the table's row count
       REQUIRE(engine.load(image));
     }
     REQUIRE(writer->end_tick(root_hash(engine.state()), stages.hashes(),

@@ -1,4 +1,4 @@
-// Scripts of a person: what is read, and what is refused with its line.
+// Scripts of a person: accepted lines, and refused lines with their number.
 // SPDX-License-Identifier: MIT
 #include "tool/play/script.h"
 

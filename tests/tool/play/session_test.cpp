@@ -1,4 +1,4 @@
-// What a person does becomes the inputs of a recording, whatever the display does.
+// The actions of a person become the inputs of a recording, independently of the display.
 // SPDX-License-Identifier: MIT
 #include "tool/play/session.h"
 
@@ -46,7 +46,7 @@ std::size_t count_of(const engine::Engine& engine, const std::string& prototype)
   return count;
 }
 
-/// Clicks, pulls, pauses, steps, pans and zooms, at moments that are on no boundary of a tick or a frame.
+/// Clicks, pulls, pauses, steps, pans and zooms. None is at a boundary of a tick or a frame.
 std::string busy_script() {
   std::string script;
   double t = 0.0113;
@@ -84,7 +84,7 @@ TEST_CASE("a session is the same trace, byte for byte, at 30, 60, 144 and 17 fra
       CHECK(other.tick_count == at_60.tick_count);
       CHECK((other.trace == at_60.trace));
     }
-    // The control: a click a tick later is another session.
+    // Negative control: a click one tick later is another session.
     std::string later = busy_script();
     later.replace(later.find("0.0113"), 6, "0.0413");
     CHECK((play_script(test::builtin_scene(name), later, 60, directory.file("later.ttr")).trace != at_60.trace));
@@ -168,12 +168,12 @@ TEST_CASE("a press on a body pulls it to the pointer, and a release lets it go",
       [&](const engine::Engine&, const play::Session& session) { was_pulled |= session.pull().has_value(); });
   const play::Pixel rest = released.view.to_pixel(released.engine->bodies()[5].center);
   CHECK(was_pulled);
-  CHECK(std::hypot(rest.x - 330, rest.y - 130) < 2);  // the later move of the pointer was none of its business
+  CHECK(std::hypot(rest.x - 330, rest.y - 130) < 2);  // after the release, moving the pointer has no effect
 }
 
 TEST_CASE("nothing is made inside of a body", "[play][inputs]") {
   const test::TemporaryDirectory directory;
-  // In the thesis' window the floor is at the lower edge, the disc left of the middle.
+  // In the window of the thesis scene, the floor is at the lower edge and the disc is left of the middle.
   const std::string script = mouse(0.02, "click", "left", 400, 590) + mouse(0.03, "click", "right", 400, 590) +
                              mouse(0.04, "click", "middle", 205, 300) + mouse(0.05, "click", "left", 205, 300, true) +
                              quit(0.1);
@@ -186,7 +186,7 @@ TEST_CASE("while paused no tick runs; each . runs one", "[play][pause]") {
                              mouse(1.3, "click", "left", 100, 100) + quit(5);
   const PlayedSession played = play_script(test::builtin_scene("stack"), script, 60, directory.file("a.ttr"));
   CHECK(played.tick_count == 30 + 3);
-  CHECK(count_of(*played.engine, "circle") == 0);  // clicked while paused: its tick never came
+  CHECK(count_of(*played.engine, "circle") == 0);  // clicked while paused: the tick of the click never ran
   const PlayedSession stepped =
       play_script(test::builtin_scene("stack"), script.substr(0, script.rfind("{")) + key(1.4, ".") + quit(5), 60,
                   directory.file("b.ttr"));
@@ -249,7 +249,7 @@ TEST_CASE("keys ask for a restart, another scene, or the end", "[play][keys]") {
       const auto input = session.next(tick);
       REQUIRE(input);
       if (!*input) {
-        CHECK(tick == 6);  // those of the tenth of a second before the key
+        CHECK(tick == 6);  // the ticks of the tenth of a second before the key
         break;
       }
     }

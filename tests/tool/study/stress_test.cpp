@@ -1,4 +1,5 @@
-// The stress cases: what is excused and what never is, the precision that a row tells, loads, hubs and mechanisms.
+// The stress cases: excused and unexcused failures, the precision in a row, loads, rotating bodies with rods,
+// mechanisms.
 // SPDX-License-Identifier: MIT
 #include "tool/study/stress/stress.h"
 
@@ -27,7 +28,7 @@ bool begins_with(const std::string& name, std::string_view start) {
   return name.compare(0, start.size(), start) == 0;
 }
 
-// Rows of a case whose methods found these values, judged and excused.
+// Rows of a case with these values of its methods, judged and excused.
 std::vector<StressRow> judged(const StressCase& c, const std::vector<double>& values,
                               Precision precision = Precision::f32) {
   REQUIRE(values.size() == c.methods.size());
@@ -101,7 +102,7 @@ TEST_CASE("an integrator that passes excuses no other one", "[verifier][study][s
 }
 
 TEST_CASE("a row tells the precision that its case ran with", "[verifier][study][stress]") {
-  // Springs run in f64 alone, and once.
+  // Spring cases only run once, in f64.
   for (const std::vector<Precision>& asked :
        {std::vector<Precision>{Precision::f32}, {Precision::f32, Precision::f64}}) {
     const std::vector<StressRow> rows = rows_of({"spring_sag_1e", "spring_damping_1e"}, asked);
@@ -112,7 +113,7 @@ TEST_CASE("a row tells the precision that its case ran with", "[verifier][study]
       CHECK(seen.insert(row.name + row.method).second);
     }
   }
-  // The others run in each that is asked for, and see it: f32 has 24 bits.
+  // Other cases run in each requested precision, and depend on it: f32 has 24 bits.
   const std::vector<StressRow> rows = rows_of({"far_1000"}, {Precision::f32, Precision::f64});
   CHECK(row_of(rows, "far_1000", "tgs_soft", Precision::f64).value < 1e-9);
   CHECK(row_of(rows, "far_1000", "tgs_soft", Precision::f32).value > 1e-9);
@@ -198,7 +199,7 @@ TEST_CASE("a mechanism gains energy under an integrator that lets half of a join
   CHECK(row_of(rows, "gain_wheel", "rk4", Precision::f64).verdict == StudyVerdict::falls_short);
   CHECK(row_of(rows, "gain_wheel", "rk4", Precision::f64).value > 1);
   CHECK(row_of(rows, "direct_gain_wheel", "rk4", Precision::f64).verdict == StudyVerdict::pass);
-  // Nothing is damped: a share of the swing that is kept is no accident.
+  // No mechanism has damping, so the kept share of the swing is no accident.
   CHECK(std::fabs(row_of(rows, "direct_gain_wheel", "rk4", Precision::f64).value) < 1e-3);
 }
 
