@@ -1,10 +1,10 @@
-// Verifies traces by the shortest possible loop, beside the verifier and without it: reader, engine, root hash.
+// Verifies traces with a minimal loop, independently of the verifier: reader, engine, root hash.
 // SPDX-License-Identifier: MIT
 //
-// Needs none of the command line's headers, so it is built quickly for every compiler and optimisation level whose bits
-// are to be compared (./dev test). A second opinion, too: it shares no code with verifier/.
-// Verified: root hash of every tick and checkpoint, hashes after each stage and state images where they are stored.
-// Not verified: anything of traces that are damaged, cut or of other simulations: those are refused.
+// The program does not include the command line, so it builds quickly for every compiler and optimisation level to
+// compare (./dev test). The program is also a second opinion, because it shares no code with verifier/.
+// Verified: the root hash of every tick and checkpoint; stored stage hashes and state images.
+// Not verified: damaged or truncated traces, and traces of other simulations, which are refused.
 #include <algorithm>
 #include <cstdio>
 #include <cstdlib>
@@ -32,7 +32,7 @@ std::string differ(std::uint64_t found, std::uint64_t expected) {
   return "found " + hex64(found) + ", expected " + hex64(expected);
 }
 
-/// The first lane in which the state is not the recorded one: "table bodies, column velocity, row 3, lane 0".
+/// The first lane that differs from the recorded state: "table bodies, column velocity, row 3, lane 0".
 std::string place_of(const Simulation& simulation, ByteView expected) {
   const StateSchema& schema = *simulation.state().schema;
   Bytes got;
