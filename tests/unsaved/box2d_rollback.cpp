@@ -17,7 +17,7 @@ struct Box {
   float x, y, angle, vx, vy, spin;
 };
 
-/// The values that are recorded and saved.
+/// The recorded and saved values.
 struct State {
   std::uint64_t tick = 0;
   Box boxes[box_count];

@@ -20,7 +20,7 @@
 namespace {
 
 struct Particle {
-  char kind;  // padding behind it
+  char kind;  // followed by padding
   double value;
 };
 
@@ -115,7 +115,7 @@ const Program programs[] = {
        std::vector<char> large(3 << 20, static_cast<char>(g.tick));
        g.x[0] += large[99] % 3;
      }},
-    // What cannot be examined.
+    // Programs that cannot be examined.
     {"without_saves", [](Game& g, int button) { g.x[0] += button; }, false},
     {"threads",
      [](Game& g, int button) {
@@ -134,7 +134,7 @@ const Program programs[] = {
        g.x[0] += button;
      }},
     {"diverges", [](Game& g, int button) { g.x[0] += button + (std::getenv("TICKTRUE_UNSAVED") != nullptr); }},
-    // A save that lacks `turns`. From the third process on, ticks end otherwise: a copy does not repeat the other one.
+    // A save that lacks `turns`. From the third process on, ticks end differently, so one copy does not repeat another.
     {"instances",
      [](Game& g, int button) {
        static const int file = ::memfd_create("instances", 0);

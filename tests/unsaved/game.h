@@ -31,7 +31,7 @@ inline std::size_t save_game(void* user, void* buffer, std::size_t size) {
   return whole;
 }
 
-/// The rows move to other memory.
+/// Loads a game, and moves its rows to other memory.
 inline int load_game(void* user, const void* bytes, std::size_t size) {
   auto* game = static_cast<Game*>(user);
   std::memcpy(&game->tick, bytes, sizeof game->tick);
@@ -42,8 +42,8 @@ inline int load_game(void* user, const void* bytes, std::size_t size) {
   return 0;
 }
 
-/// Runs `step` with a button for TICKS ticks (of the environment; 150), or as many as are verified. Returns the exit
-/// code.
+/// Runs `step` with a button for TICKS ticks (from the environment; 150), or for as many ticks as are verified.
+/// Returns the exit code.
 template <typename Step>
 int play(Game& game, int argc, char** argv, bool has_saves, Step step) {
   ticktrue_options options{};

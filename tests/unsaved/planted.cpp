@@ -73,7 +73,7 @@ __attribute__((noinline)) int count_calls() {
   return ++calls_of_spawn;
 }
 
-/// Each program also has variables that differ and do no harm.
+/// Each program also has variables that differ without harm.
 int frames_shown = 0;
 char last_message[64];
 
