@@ -1,9 +1,9 @@
-// Random worlds: the same on every platform, legal, and with every row of every table.
+// Random worlds: equal on every platform, valid, and with every row of every table.
 // SPDX-License-Identifier: MIT
 //
-// Verified: bytes of scenes and inputs for twenty seeds; that scenes and inputs are accepted and ticks run; how often
-// each row and each pair of rows comes; that a row taken away is gone, and that most rows change what happens. Not
-// verified: that worlds find faults of caches (a run of many worlds does).
+// Verified: bytes of scenes and inputs for twenty seeds; scenes and inputs are accepted and ticks run; how often each
+// row and each pair of rows occurs; a removed row is absent; most rows change the run.
+// Not verified: that worlds find cache faults (a run of many worlds does).
 #include "engine/random_worlds/random_world.h"
 
 #include <algorithm>
@@ -40,7 +40,7 @@ Bytes inputs_of_tick(const RandomWorld& world, std::uint64_t tick, std::size_t& 
 }
 
 struct WorldRun {
-  std::string refusal;  // empty: every input was accepted, every tick was done
+  std::string refusal;  // empty: every input was accepted and every tick was done
   std::uint64_t hash = 0;
   bool is_finite = true;
 };
@@ -112,7 +112,7 @@ bool needs_more_than_plain_shapes(const std::string& row) {
                          WorldFeature::tangent_speed, WorldFeature::rolling_resistance});
 }
 
-/// Why check_scene refuses every scene of this solver with the row, or nothing.
+/// The reason why check_scene refuses every scene with this solver and this row; empty if none.
 std::string conflict_with_solver(const engine::SolverInfo& solver, const std::string& row) {
   if (!solver.solves_joints && needs_joints(row)) return "solves no joints";
   if (!solver.chooses_joints && row == "joint_solver/direct") return "solves joints one after the other";
