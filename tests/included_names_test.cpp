@@ -1,9 +1,9 @@
-// Every source names only what it includes: it compiles alone, not only beside others in a unity build.
+// Every source only names what it includes, so that it compiles alone and not only in a unity build.
 // SPDX-License-Identifier: MIT
 //
 // Verified: each type of the project that a file uses is declared in the file or in a file that it includes, directly
-// or not. For common names of the standard library a header that has them is included. Not verified: functions and
-// constants of the project. tests/each_file.py compiles each file alone.
+// or indirectly. For a common name of the standard library, a header that declares the name is included.
+// Not verified: functions and constants of the project. tests/each_file.py compiles each file alone.
 #include <algorithm>
 #include <iterator>
 #include <map>
@@ -25,8 +25,8 @@ using Names = std::set<std::string>;
 struct Source {
   Names includes;
   Names uses;
-  Names declares;    // and names of parameters of templates
-  Names introduces;  // of `declares`, what others may take from here: definitions of types
+  Names declares;    // declared names, and names of template parameters
+  Names introduces;  // type definitions among `declares`, which other files may use
   Names standard;    // std::NAME
   Names headers;     // <NAME>
 };
@@ -38,8 +38,8 @@ std::size_t skip_spaces(const std::string& code, std::size_t at) {
 
 struct StandardHeader {
   std::string_view name;
-  std::string_view names;   // of std that it has
-  std::string_view brings;  // headers that come with it in every library
+  std::string_view names;   // names in std that the header declares
+  std::string_view brings;  // headers that every library includes with it
 };
 constexpr StandardHeader standard_headers[] = {
     {"algorithm",
@@ -88,13 +88,13 @@ Names words_of(std::string_view text) {
   return {std::istream_iterator<std::string>(in), {}};
 }
 
-/// Words of the code in order. A type is a word of several letters that begins with a capital.
+/// Reads the words of the code in order. A word of several letters that begins with a capital is a type.
 Source read_source(const SourceFile& file) {
   const std::string code = code_of(file.text);
   const bool in_header = is_header(file.path);
   Source source;
   source.includes = includes_of(file.text);
-  std::string before;  // the word before
+  std::string before;  // the previous word
   for (std::size_t at = 0; at < code.size();) {
     if (!is_word(code[at])) {
       ++at;

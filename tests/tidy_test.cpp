@@ -1,9 +1,10 @@
-// The source tree keeps its own rules: what is banned where, and what to use instead.
+// The source tree obeys its own rules: what is banned where, and what to use instead.
 // SPDX-License-Identifier: MIT
 //
-// Verified: banned names and headers, direction of includes, first lines, marks without an issue, files that no build
-// lists, links between documents, length of sentences. Not verified: what needs a parser (aliases, macros that hide a
-// banned name, side effects in call arguments): clang-tidy and the golden traces are there for that.
+// Verified: banned names and headers, direction of includes, first lines, marks without an issue, files outside of any
+// build list, links between documents, length of sentences.
+// Not verified: rules that need a parser (aliases, macros that hide a banned name, side effects in call arguments).
+// clang-tidy and the golden traces cover those rules.
 #include <algorithm>
 #include <array>
 #include <filesystem>
@@ -28,7 +29,7 @@ namespace fs = std::filesystem;
 struct Ban {
   std::string_view where;  // comma-separated path prefixes; empty: everywhere
   std::string_view name;
-  bool call;  // counts only as a function that is called
+  bool call;  // only counts as a function call
   std::string_view use;
 };
 
@@ -39,8 +40,8 @@ constexpr std::string_view id_order = "rows that ascend by id";
 constexpr std::string_view bits_in = "numbers that come in with the scene or the inputs";
 constexpr std::string_view time_in = "the dt of the tick's input";
 
-// libm functions whose last bits differ between platforms. Each also with the suffixes f and l, with std:: and as
-// __builtin_.
+// libm functions whose last bits differ between platforms. Also banned: each name with the suffixes f and l, with
+// std::, and as __builtin_.
 constexpr std::array libm{"sin",   "cos",   "tan",   "asin", "acos", "atan",   "atan2",  "sinh",   "cosh",  "tanh",
                           "asinh", "acosh", "atanh", "exp",  "exp2", "expm1",  "log",    "log2",   "log10", "log1p",
                           "pow",   "cbrt",  "hypot", "erf",  "erfc", "tgamma", "lgamma", "sincos", "exp10"};
@@ -147,12 +148,13 @@ constexpr HeaderBan header_bans[] = {
     {"", "elfutils/", "tool/debug_info/dwarf_types.cpp", "tool/debug_info/program_types.h"},
 };
 
-/// A room is a folder. What its files may include, beside the room's own: rooms, not what is below them.
+/// A room is a folder. Its files may include the room's own files and those of the listed rooms, but not those of
+/// folders below a listed room.
 struct Room {
   std::string_view folder;
   std::string_view may_include;  // comma-separated rooms; "core", "engine_face", ... stand for lists below
 };
-// The face and the model of the engine name the rows and workspaces of its rooms.
+// The face and the model of the engine name the state rows and workspaces of the engine's rooms.
 constexpr std::string_view core =
     "engine,engine/model,engine/broad_phase,engine/narrow_phase,engine/islands,engine/contacts,engine/joints,"
     "engine/joints/batched,engine/impacts,engine/integrators,engine/solvers,engine/stages,"
@@ -284,7 +286,7 @@ std::string_view folder_of(std::string_view path) {
   return path.substr(0, std::min(path.rfind('/'), path.size()));
 }
 
-/// What the tool's rooms see without being told: all but the tool, the tests and the engine's inside.
+/// Rooms that every room of the tool may include: all except the tool, the tests and the internal rooms of the engine.
 bool is_below_tool(std::string_view room) {
   return is_one_of(room,
                    "base,base/state,base/parallel,replay,replay/format,replay/file,replay/box,include,engine,engine/"
@@ -392,8 +394,8 @@ void check_marks(const SourceFile& file, std::string_view line, std::size_t numb
   }
 }
 
-// What libticktrue is built from, and where words of one compiler may stand in it: the header for all compilers, and
-// the units whose words choose the instructions of kernels.
+// The sources of libticktrue, and the files that may use words of a single compiler. These files are the header for all
+// compilers, and the units that choose the instructions of kernels.
 constexpr std::string_view library_sources = "base/,replay/,capi/,verifier/report/,verifier/locate/,verifier/verify/";
 constexpr std::string_view compiler_words_in =
     "base/compiler/compiler.h,base/bytes.h,base/hash.cpp,base/row_kernels.cpp,base/parallel/workers.cpp";
@@ -429,7 +431,7 @@ Findings check_file(const SourceFile& file) {
 
 // --- checking the tree ----------------------------------------------------------------------------------------------
 
-/// Whether a CMakeLists.txt in the file's folder or above names it.
+/// Whether a CMakeLists.txt in the folder of the file, or above it, names the file.
 bool is_built(const fs::path& root, const std::string& path) {
   for (fs::path folder = fs::path(path).parent_path(); !folder.empty(); folder = folder.parent_path()) {
     const std::string list = read_text(root / folder / "CMakeLists.txt");
@@ -459,7 +461,7 @@ TEST_CASE("every source file is built and every header is included", "[tidy]") {
   }
 }
 
-/// Targets of [text](target) in a Markdown text, code blocks left out.
+/// Targets of [text](target) in a Markdown text. Code blocks are skipped.
 std::vector<std::string> links_of(std::string_view markdown) {
   std::vector<std::string> links;
   bool in_block = false;
@@ -489,7 +491,7 @@ TEST_CASE("every link between documents leads to a file", "[tidy][docs]") {
     }
 }
 
-/// Paths in backticks that look like files of this tree: with a folder that exists.
+/// Paths in backticks that look like files of this tree, because their folder exists.
 std::vector<std::string> paths_of(std::string_view markdown) {
   std::vector<std::string> paths;
   for (std::size_t open = markdown.find('`'); open != std::string_view::npos;) {
@@ -518,7 +520,7 @@ TEST_CASE("every file that a document of the whole tree names is there", "[tidy]
   }
 }
 
-/// The text of a line of Markdown: a code span counts as a word, the target of a link as none.
+/// The words of a Markdown line. A code span counts as one word, the target of a link as none.
 std::string words_of(std::string_view line) {
   std::string text;
   std::size_t at = 0;
@@ -540,7 +542,7 @@ std::string words_of(std::string_view line) {
 
 constexpr int words_max = 25;
 
-/// Sentences of more words than words_max, outside of code blocks. A list item and a cell of a table end a sentence.
+/// Sentences of more than words_max words, outside of code blocks. A list item and a table cell end a sentence.
 std::vector<std::string> long_sentences_of(std::string_view markdown) {
   std::vector<std::string> found;
   std::string sentence;
@@ -743,7 +745,7 @@ TEST_CASE("rooms are few and shallow, and ARCHITECTURE.md tells what each is", "
     CHECK(std::count(folder.begin(), folder.end(), '/') <= 2);
     if (!starts_with(folder, "tests/")) CHECK(contains(architecture, "`" + folder + "/`"));
   }
-  // A room without files is none.
+  // Each room must have files.
   for (const Room& room : rooms) {
     CAPTURE(room.folder);
     CHECK(counts.count(std::string(room.folder)) == 1);
