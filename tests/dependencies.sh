@@ -1,6 +1,6 @@
 #!/bin/sh
-# dependencies.sh SOURCE: configures the project with headers in a prefix of their own, and inside another project.
-# Expects that CMAKE_PREFIX_PATH decides where headers come from, and that warnings are errors for nobody else.
+# dependencies.sh SOURCE: configures the project with headers in a separate prefix, and inside another project.
+# CMAKE_PREFIX_PATH must decide where headers come from. Warnings must not be errors in the other project.
 # SPDX-License-Identifier: MIT
 set -u
 source=$(cd "$1" && pwd) || exit 2
@@ -41,7 +41,7 @@ esac
 if grep -q -e '-Werror' "$commands"; then complain "-Werror: found it inside another project, expected it in our presets alone"; fi
 grep -q '"CMAKE_COMPILE_WARNING_AS_ERROR": "ON"' "$source/CMakePresets.json" || complain "CMakePresets.json: warnings are no errors"
 
-# Kernels are never compiled together: what -Wshadow says of them breaks a build without TICKTRUE_UNITY.
+# Kernels are never compiled together, so a warning of -Wshadow in a kernel would break a build without TICKTRUE_UNITY.
 for kernel in $(find "$source/engine" -name "*_kernels.cpp"); do
   c++ -std=c++20 -fsyntax-only -Wall -Wextra -Wshadow -Wconversion -Wno-sign-conversion -Werror -DTICKTRUE_PRECISION=f64 \
     -DTICKTRUE_ISA=baseline -I"$source" "$kernel" || complain "$kernel: warnings"

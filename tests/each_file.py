@@ -1,10 +1,11 @@
-# Parses each source file of a build by itself: a unity build hides includes that are missing and names that collide.
+# Parses each source file of a build separately. A unity build hides missing includes and colliding names.
 # SPDX-License-Identifier: MIT
 #
 #   each_file.py BUILD [--only WORD] [-j N]
 #
-# BUILD was configured without unity: it has compile_commands.json. A file that is compiled several times, as for each
-# precision, is parsed once. Precompiled headers are left out, too: they hide the same. Exit code 1: a file failed.
+# BUILD was configured without unity and has compile_commands.json. A file that is compiled several times, for example
+# for each precision, is parsed once. Precompiled headers are disabled, because they also hide missing includes. Exit
+# code 1: a file failed.
 import argparse
 import concurrent.futures
 import json
@@ -15,7 +16,7 @@ import subprocess
 import sys
 import time
 
-LEFT_OUT = {"-c": 1, "-o": 2, "-Winvalid-pch": 1}  # words of a command, with those that belong to them
+LEFT_OUT = {"-c": 1, "-o": 2, "-Winvalid-pch": 1}  # options to remove, with the number of words of each
 
 
 def syntax_command(command):

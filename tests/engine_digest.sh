@@ -1,5 +1,5 @@
 #!/bin/sh
-# The digest of a build: what may change it, and what may not.
+# The digest of a build: changes that must change it, and changes that must not.
 # SPDX-License-Identifier: MIT
 # usage: engine_digest.sh ENGINE_DIGEST.CMAKE CMAKE CXX
 set -u
@@ -12,7 +12,7 @@ trap 'rm -rf "$work"' EXIT
 status=0
 
 keeps_objects=
-# digest FOLDER [FLAG...]: of the two units in FOLDER
+# digest FOLDER [FLAG...]: prints the digest of the two units in FOLDER
 digest() {
   folder=$1
   shift
@@ -28,7 +28,7 @@ digest() {
     echo ']'
   } >"$folder/compile_commands.json"
   mkdir -p "$folder/x/part.dir"
-  # A step of the clock later: files of one time count as edited.
+  # One clock step later, because files of equal time count as edited.
   [ -n "$keeps_objects" ] || { sleep 0.1; touch "$folder/x/part.dir/one.cpp.o" "$folder/x/part.dir/two.cpp.o"; }
   "$cmake" -D UNIT=part.dir/ -D PART="$folder/part.txt" -D BUILD="$folder" -D CXX="$cxx" -D SED="$sed" -D SHA256SUM="$sha" \
     -P "$script" >&2 || echo failed
@@ -47,7 +47,7 @@ other() {
   if [ "$1" != "$2" ]; then echo "ok: $3"; else fail "$@"; fi
 }
 
-# A step of the clock of every file system.
+# One clock step of any file system.
 change() {
   sleep 1.1
   cat >"$1"

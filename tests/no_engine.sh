@@ -1,5 +1,5 @@
 #!/bin/sh
-# no_engine.sh LIBRARY...: fails if a library of the C interface holds or asks for a symbol of the engine.
+# no_engine.sh LIBRARY...: fails if a library of the C API defines or needs a symbol of the engine.
 command -v nm >/dev/null || exit 77
 status=0
 for library in "$@"; do

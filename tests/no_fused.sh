@@ -1,8 +1,8 @@
 #!/bin/sh
-# Compiles engine sources for a machine that has fused multiply-add by AVX-512 and by FMA, with the project's flags, and
-# looks for it.
+# Compiles engine sources with the project's flags for a machine with fused multiply-add by AVX-512 and by FMA, and
+# looks for fused instructions.
 # SPDX-License-Identifier: MIT
-# usage: no_fused.sh SOURCE_DIR COMPILER FLAGS...    Exits 0 if there is none, 1 if there is, 77 if it cannot tell.
+# usage: no_fused.sh SOURCE_DIR COMPILER FLAGS...    Exits 0 if there are none, 1 if there are some, 77 if unknown.
 set -u
 source_dir=$1
 compiler=$2

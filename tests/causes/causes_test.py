@@ -1,11 +1,11 @@
-# Runs `ticktrue shake` over the gallery: causes are named, mended twins and clean programs are quiet.
+# Runs `ticktrue shake` on the gallery: causes are named, mended programs and clean programs give no finding.
 # SPDX-License-Identifier: MIT
 #
 #   causes_test.py TICKTRUE PROGRAMS LIBRARY [--full] [NAME...]
 #
-# PROGRAMS is the folder of the built programs, LIBRARY libticktrue. Without --full, mended programs are run under the
-# perturbations that are to blame alone, and no processor is emulated. With --full, each clean program is run under each
-# perturbation of class A by itself, at least 50 times. The last lines count causes, calls and false alarms.
+# PROGRAMS is the folder of the built programs, LIBRARY is libticktrue. Without --full, a mended program only runs under
+# the perturbations that name its cause, and no processor is emulated. With --full, each clean program runs under each
+# perturbation of class A separately, at least 50 times. The last lines count causes, calls and false alarms.
 import concurrent.futures
 import json
 import os
@@ -53,25 +53,25 @@ MISTAKES = [
     ("chipmunk_separate", ["address_layout"], None, "A"),
     ("numpy_sine.py", ["library_dispatch"], None, "B"),
 ]
-# Of these, another build alone tells: program, perturbations that name the cause.
+# Causes that only another build shows: program, perturbations that name the cause.
 BUILT = [
     ("fused_products", ["contraction"]),
     ("argument_order", ["other_compiler"]),
     ("overflow", ["no_optimisation"]),
 ]
-# Programs that this machine cannot run: what the system has to permit or to have.
+# Programs that this machine may be unable to run: the permission or hardware that they need.
 NEEDED = {"cycle_counter": "x86_64", "user_name": "user namespace", "library_flush": "x86_64"}
 CLEAN = ["integers", "containers", "threads", "clocks", "files", "floats", "processes", "qsort_ids", "clean_python.py",
          "event_queue", "texts", "pools", "sorting", "fixed_point", "hash_table", "grid", "python_market.py",
          "numpy_field.py", "box2d_pile", "chipmunk_pile", "bullet_pile"]
 PACKAGES = {"box2d_pile": "libbox2d-dev", "chipmunk_separate": "libchipmunk-dev", "numpy_sine.py": "python3-numpy", "chipmunk_pile": "libchipmunk-dev", "bullet_pile": "libbullet-dev",
             "numpy_field.py": "python3-numpy"}
-# Scenes that the engine of this project runs, without a program.
+# Scenes that this project's engine runs, without a program.
 SCENES = [("stack?boxes=6", 60), ("mixed_pile?bodies=40", 60)]
 # Rules of tests/causes/rules_plugin.cpp, and the perturbations that move them.
 PLUGIN = [("garbage", ["heap_fill"]), ("local_hour", ["time_zone"]), ("clean", [])]
 RUNS_MIN = 50  # of a clean program, with something changed
-# way of tests/causes/rude.cpp, outcome, words of the report
+# act of tests/causes/rude.cpp, outcome, words in the report
 RUDE = [
     ("crash", "crashed", "in tick 9"),
     ("exit", "no_result", "ended with status 7"),
@@ -98,11 +98,11 @@ def python_with(module):
 
 
 class Gallery:
-    named = 0  # causes that were named
+    named = 0  # named causes
     named_by_build = 0
-    sites = 0  # of them with the place of the call
+    sites = 0  # named causes with the place of the call
     clean_runs = []  # perturbed runs of each clean program
-    alarms = 0  # clean programs that something of class A moved
+    alarms = 0  # clean programs that a perturbation of class A moved
     time_max_s = 600  # of one command
 
     def __init__(self, tool, programs, library, full):
@@ -165,7 +165,8 @@ class Gallery:
         if named[0] == "library_dispatch":
             cause = moved[named[0]]["cause"] or {}
             features = cause.get("cpu_features", [])
-            # numpy's kernel asks for both: one of them is enough, with AVX-512 out where the processor has it.
+            # numpy's kernel needs both features, so disabling one is enough. AVX-512 must also be disabled if the
+            # processor has it.
             if not {"AVX2", "FMA3"} & set(features) or {"AVX2", "FMA3"} <= set(features) or len(features) > 2:
                 raise Failed(f"{name}: found the features {features}, expected AVX2 or FMA3, narrowed")
             if "_multiarray_umath" not in cause.get("module", ""):
@@ -254,7 +255,7 @@ class Gallery:
         """A perturbation changes what it names and no other variable: the order of the others stays as it is."""
         words = self.words("environment_order")
         trace = os.path.join(folder, "game.ttr")
-        # What perturbations set comes before the variable whose place is read.
+        # Perturbations set these variables before the variable whose position the program reads.
         names = ["LANG", "LC_ALL", "TZ", "PYTHONHASHSEED", "LD_PRELOAD", "GLIBC_TUNABLES"]
         other = {name: {"LD_PRELOAD": "", "GLIBC_TUNABLES": ""}.get(name, "C") for name in names}
         other.update({name: value for name, value in self.environment.items() if name not in other and name != "PATH"})

@@ -1,12 +1,12 @@
-# Runs `ticktrue shake` over every clean program of the gallery, each perturbation of class A by itself. Goes on where it
-# was stopped.
+# Runs `ticktrue shake` on every clean program of the gallery, with each perturbation of class A separately. A stopped
+# run can be continued.
 # SPDX-License-Identifier: MIT
 #
 #   clean_full.py TICKTRUE PROGRAMS LIBRARY RESULTS [NAME...]
 #
-# TICKTRUE, PROGRAMS and LIBRARY are those of causes_test.py. RESULTS is a file with a line for each program: the digest
-# of tool, library and program, the name, the verdict, the runs with one thing changed, seconds. A program that has a
-# line with its digest is not run again. Exit code 1: an alarm, or a program that could not be run.
+# TICKTRUE, PROGRAMS and LIBRARY are as in causes_test.py. RESULTS is a file with a line for each program: the digest of
+# tool, library and program, the name, the verdict, the number of perturbed runs, and seconds. A program with a line for
+# its digest does not run again. Exit code 1: an alarm, or a program that could not run.
 import hashlib
 import json
 import os
@@ -17,7 +17,7 @@ import time
 
 from causes_test import CLEAN, SCENES, Failed, Gallery, Skipped
 
-TIME_MAX_S = 7200  # of one program: the machine may have other work
+TIME_MAX_S = 7200  # of one program; the machine may have other work
 
 
 def digest_of(paths):

@@ -12,6 +12,6 @@ for tick in session.ticks(40):
     for i in range(8):
         for k in range(100):
             angle = position[i] * (3 + k) + tick + i
-            # Mended: rounded to so few bits that an ulp of the library is not seen.
+            # Mended: rounds to so few bits that an ulp of the library has no effect.
             position[i] += round(math.sin(angle) * 1024) / 1024 if mended else math.sin(angle)
 sys.exit(session.close())

@@ -1,4 +1,4 @@
-# A session of libticktrue for the Python programs of the gallery, through ctypes.
+# A session of libticktrue through ctypes, for the Python programs of the gallery.
 # SPDX-License-Identifier: MIT
 import array
 import ctypes

@@ -1,6 +1,6 @@
 #!/bin/sh
-# columns.sh TOOL SOURCE LIBRARY: `ticktrue columns` on programs of each compiler there is. The line that it prints compiles
-# with ticktrue.hpp, and the program records and verifies. Damaged files end with a message.
+# columns.sh TOOL SOURCE LIBRARY: runs `ticktrue columns` on programs of each available compiler. The printed line
+# compiles with ticktrue.hpp, and the program records and verifies. Damaged files give a message.
 # SPDX-License-Identifier: MIT
 set -u
 full_path() { printf '%s/%s' "$(cd "$(dirname "$1")" && pwd)" "$(basename "$1")"; }
@@ -169,7 +169,7 @@ expect 2 "found no ELF file that can be read" "$tool" columns program.cpp Unit
 expect 2 "No such file" "$tool" columns missing Unit
 expect 2 "found no regular file" "$tool" columns . Unit
 
-# Damaged files: cut, and with bytes overwritten. Numbers of a generator with a fixed seed.
+# Damaged files: truncated, or with bytes overwritten. The random generator has a fixed seed.
 size=$(wc -c <program.o)
 random() { seed=$(((seed * 1103515245 + 12345) % 2147483648)); value=$((seed / 8 % $1)); }
 seed=1

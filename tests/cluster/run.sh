@@ -3,9 +3,10 @@
 # SPDX-License-Identifier: MIT
 # usage: run.sh TOOL INJECT_FAULT [--traces N] [--keep]    from the root of the tree, as `./dev cluster` does.
 #
-# Three runs, each with a store of its own: a corpus of N random worlds by Slurm; the same and one trace that diverges,
-# by Slurm; the corpus by GNU parallel. Each must end with one verdict for each trace, in the store, in the history and
-# in the report. Everything is in out/cluster. Exits 0 if all of it holds, 1 if not, 2 if it could not be tried.
+# Three runs, each with a separate store: a corpus of N random worlds by Slurm; the same corpus plus a diverging trace
+# by Slurm; the corpus by GNU parallel. Each run must end with one verdict for each trace, in the store, in the history
+# and in the report. All files are in out/cluster. Exits 0 if every condition holds, 1 if not, 2 if a run was
+# impossible.
 set -u
 tool=$(realpath "$1")
 inject_fault=$(realpath "$2")
@@ -29,7 +30,7 @@ esac
 
 out=$PWD/out/cluster
 traces=$out/traces
-shared=$out/shared  # what all nodes see; a small disk where one may be mounted
+shared=$out/shared  # visible to all nodes; a small disk if one can be mounted
 lease_s=5
 task_count=8
 core_count=$(getconf _NPROCESSORS_ONLN 2>/dev/null || echo 2)
@@ -50,16 +51,16 @@ case $out in
     ;;
 esac
 PATH=$PATH:/usr/sbin:/sbin
-# A slurmstepd whose spool is on a full disk ends by SIGBUS. Not every sh knows the option.
+# A slurmstepd whose spool is on a full disk ends with SIGBUS. Some shells lack this option.
 # shellcheck disable=SC3045
 ulimit -c 0 2>/dev/null
 # shellcheck source=tests/cluster/slurm.sh
 . tests/cluster/slurm.sh
 
-# --- the end, also of a run that fails or is stopped ----------------------------------------------------------------
+# --- clean-up, also after a failed or stopped run ---------------------------------------------------------------------
 
 mounts=
-# small_disk FOLDER SIZE: a file system in memory. Fails where it may not be mounted.
+# small_disk FOLDER SIZE: mounts a file system in memory. Fails if mounting is not permitted.
 small_disk() {
   mkdir -p "$1"
   [ "$(id -u)" = 0 ] && mount -t tmpfs -o "size=$2" ticktrue "$1" 2>/dev/null && mounts="$1 $mounts"
@@ -77,7 +78,7 @@ clean_up() {
     fi
   done
   stop_slurm
-  # What is on a disk in memory goes with it.
+  # Unmounting removes the contents of a disk in memory.
   if [ "$keep" = yes ] && [ -d "$shared" ]; then rm -rf "$out/stores" && cp -r "$shared" "$out/stores"; fi
   for folder in $mounts; do
     umount "$folder" 2>/dev/null || umount -l "$folder"
@@ -89,8 +90,8 @@ trap 'clean_up; echo "cluster: stopped" >&2; exit 130' INT TERM HUP PIPE
 
 # --- the corpus -----------------------------------------------------------------------------------------------------
 
-# Worlds 1 to N of the generator; for one that ends with a state that is not finite, another. Those that the same tool
-# made before are used again.
+# Worlds 1 to N of the generator. A world that ends with a state that is not finite is replaced by another. Worlds that
+# the same tool made earlier are reused.
 make_corpus() {
   worlds=$out/worlds
   mkdir -p "$worlds"
@@ -123,7 +124,8 @@ make_corpus() {
 
 # --- workers and their failures -------------------------------------------------------------------------------------
 
-# Tells the process id of each worker before it becomes the tool. On a node, what the worker prints goes to its disk.
+# Writes a script that stores the process id of a worker and then becomes the tool. On a node, its output goes to the
+# node's disk.
 write_worker() {
   mkdir -p "$out/workers"
   cat >"$out/worker" <<WORKER
@@ -137,7 +139,7 @@ WORKER
   chmod +x "$out/worker"
 }
 
-# worker_of PLACE: sets $worker and $parent, if a worker is at work there
+# worker_of PLACE: sets $worker and $parent if a worker runs there
 worker_of() {
   worker=
   parent=
@@ -145,7 +147,7 @@ worker_of() {
   [ -n "$worker" ] && [ "$(readlink "/proc/$worker/exe")" = "$tool" ]
 }
 
-# await_worker PLACE: a worker there, within 20 s
+# await_worker PLACE: waits up to 20 s for a worker there
 await_worker() {
   tries=0
   until worker_of "$1"; do
@@ -157,7 +159,7 @@ await_worker() {
 
 verdict_count() { find "$1" -path "$1/[0-9a-f][0-9a-f]/*" -type f 2>/dev/null | wc -l; }
 
-# await_verdicts STORE PERCENT: until the store has so many, unless nobody works any more
+# await_verdicts STORE PERCENT: waits until the store has this share of the verdicts; fails if no worker is left
 await_verdicts() {
   wanted=$((trace_count * $2 / 100))
   tries=0
@@ -179,10 +181,10 @@ is_going_on() {
   fi
 }
 
-# fill FOLDER: until nothing more can be written there
+# fill FOLDER: fills the disk of the folder
 fill() { ! dd if=/dev/zero of="$1/ballast" bs=4k 2>/dev/null; }
 
-# Slurm starts a task that was queued again after two minutes. These tasks start now.
+# Slurm starts a requeued task after two minutes. This function starts it now.
 start_queued() {
   for id in $(squeue --noheader --array --states=pending --format='%i %r' | sed -n 's/ BeginTime$//p'); do
     scontrol update JobId="$id" StartTime=now
@@ -194,7 +196,7 @@ need_worker() { await_worker "$1" || { fail "$1: found no worker any more" "take
 kill_worker() {
   need_worker "$1" && kill -9 "$worker" && say "kill -9 of the worker on $1"
 }
-# With the script that would have queued the task again.
+# Also kills the script that would have requeued the task.
 kill_task() {
   need_worker "$1" && kill -9 "$parent" "$worker" && say "kill -9 of the whole task on $1"
 }
@@ -202,7 +204,7 @@ stopped=
 stop_worker() {
   need_worker "$1" && kill -STOP "$worker" && stopped=$worker && say "the worker on $1 is stopped (SIGSTOP)"
 }
-# After its lease, and when others have done what it had.
+# Waits until the lease has expired and other workers have done the units of the stopped worker.
 continue_worker() {
   sleep $((lease_s + 1))
   [ -z "$stopped" ] || { kill -CONT "$stopped" && say "the worker on $1 goes on"; }
@@ -214,9 +216,9 @@ node_down() {
   say "node $1 is down"
 }
 
-# --- what must be true at the end -----------------------------------------------------------------------------------
+# --- conditions at the end ------------------------------------------------------------------------------------------
 
-# group_text WORD: of lines, how often each occurs: "3 WORD line, 1 WORD other"
+# group_text WORD: counts equal lines: "3 WORD line, 1 WORD other"
 group_text() {
   sort | uniq -c | awk -v word="$1 " '{ printf "%s%d %s%s", s, $1, word, $2; s = ", " }' | sed 's/  / /g'
 }
@@ -257,8 +259,8 @@ check_store() {
   row "" "exit $code; lost $missing; report $row_count, store $stored, history $history, corpus log $logged"
 }
 
-# add_verified NAME COUNT FILE...: what the workers said at their end of how many verdicts each made. Those that were
-# killed have said nothing.
+# add_verified NAME COUNT FILE...: sums the verdict counts that workers print at their end. A killed worker prints
+# nothing.
 add_verified() {
   name=$1
   count=$2
@@ -278,7 +280,7 @@ submit() {
   shift 2
   "$tool" corpus slurm "$@" --cache "$store" --minutes 1 --lease $lease_s --html "$out/$name.html" \
     --sbatch "--output=$out/tasks/%A-%a.txt" >"$out/$name.sized.sh" || return 2
-  # So little work is one task; here there must be some to lose.
+  # So little work would be one task. Several tasks are needed, so that some can be lost.
   sed "s/--array=1-[0-9]*/--array=1-$task_count/" "$out/$name.sized.sh" >"$out/$name.sh"
   TICKTRUE=$out/worker sh "$out/$name.sh" >"$out/$name.submitted" || return 2
   report_job=$(sed -n 's/^Submitted batch job //p' "$out/$name.submitted")
@@ -286,7 +288,7 @@ submit() {
   say "$name: Slurm has the job $array with $task_count tasks, and the report $report_job"
 }
 
-# finish NAME: until the report has run; its exit code is $report_code
+# finish NAME: waits for the report; its exit code is $report_code
 finish() {
   tries=0
   while :; do
@@ -341,7 +343,7 @@ run_slurm() {
   check_store slurm "$store" "$trace_count" 0 "$traces"
 }
 
-# Until no worker but the stopped one is left, and no task could start: all of them have met the full disk.
+# Waits until only the stopped worker is left and no task can start: every task has met the full disk.
 await_full_disk() {
   tries=0
   while [ "$tries" -lt 240 ]; do
@@ -385,7 +387,7 @@ run_parallel() {
   faketime=
   for library in /usr/lib/*/faketime/libfaketimeMT.so.1; do [ ! -e "$library" ] || faketime=$library; done
   if [ -n "$faketime" ]; then
-    # The clocks that people set; the monotonic one is nobody's to set.
+    # Shifts the clocks that people set. Nobody can set the monotonic clock.
     clock="env LD_PRELOAD=$faketime FAKETIME_DONT_FAKE_MONOTONIC=1 FAKETIME=+0s"
     # shellcheck disable=SC2016 # the words of the shell that parallel starts
     words='FAKETIME=-300s; [ $(({} % 2)) = 0 ] || FAKETIME=+300s; export FAKETIME; '
@@ -413,7 +415,7 @@ run_parallel() {
   clock=
 }
 
-# --- all of it ------------------------------------------------------------------------------------------------------
+# --- all runs -------------------------------------------------------------------------------------------------------
 
 clock=
 rm -rf "$shared" "$out/nodes" "$out/tasks" "$out/workers" "$out/log"
@@ -422,7 +424,7 @@ make_corpus || { complain "the corpus cannot be made" "see the logs in $out/worl
 row corpus "$trace_count random worlds, $(du -sm "$traces" | cut -f 1) MB"
 write_worker
 has_disks=no
-# A verdict and its row of history are two files of a page each, with their folders.
+# A verdict and its row of history are two files of one page each, plus their folders.
 if small_disk "$shared" $((32 + trace_count / 20))m && small_disk "$out/nodes/n1" 8m; then
   has_disks=yes
 else

@@ -1,14 +1,16 @@
-# A Slurm cluster of four nodes on this machine, under the own user id, with its own key and ports. To be sourced.
+# A Slurm cluster of four nodes on this machine, under the user's own id, with a separate key and ports. Source this
+# file.
 # SPDX-License-Identifier: MIT
 # shellcheck shell=sh disable=SC2154 # out: of who sources this
 #
-# Needs $out (absolute, no blanks). start_slurm sets $slurm (a short folder: a socket has a short name) and SLURM_CONF.
-# A node nK has the folder $out/nodes/nK for its spool and for what its tasks print. stop_slurm ends all it started.
+# Needs $out (absolute, no blanks). start_slurm sets $slurm (a short folder, because a socket needs a short name) and
+# SLURM_CONF. Node nK has the folder $out/nodes/nK for its spool and for the output of its tasks. stop_slurm ends all
+# processes that it started.
 
 slurm=
 slurm_nodes='n1 n2 n3 n4'
 
-# start_daemon NAME COMMAND...: in the background; its id is in $slurm/NAME.id, what it prints in $out/log/NAME.out
+# start_daemon NAME COMMAND...: runs it in the background; its id is in $slurm/NAME.id, its output in $out/log/NAME.out
 start_daemon() {
   name=$1
   shift
@@ -16,7 +18,7 @@ start_daemon() {
   echo $! >"$slurm/$name.id"
 }
 
-# end_daemon NAME: asks it to end, and after ten seconds makes it
+# end_daemon NAME: asks the daemon to end, and kills it after ten seconds
 end_daemon() {
   [ -f "$slurm/$1.id" ] || return 0
   id=$(cat "$slurm/$1.id")
@@ -36,7 +38,7 @@ start_slurm() {
   host=$(hostname -s)
   port=$((20000 + $$ % 2000 * 10))
   slurm=$(mktemp -d "${TMPDIR:-/tmp}/ticktrue-slurm-XXXXXX") || return 2
-  chmod 711 "$slurm"  # munge wants its socket to be reachable
+  chmod 711 "$slurm"  # munge requires that its socket is reachable
   mkdir -p "$out/log" "$slurm/state"
   dd if=/dev/urandom of="$slurm/munge.key" bs=1024 count=1 2>/dev/null
   chmod 400 "$slurm/munge.key"
@@ -93,7 +95,7 @@ CONF
   done
 }
 
-# Tasks first: a slurmd that ends leaves them running.
+# Tasks end first, because a slurmd that ends leaves its tasks running.
 stop_slurm() {
   [ -n "$slurm" ] || return 0
   if [ -f "$slurm/slurmctld.id" ]; then
@@ -111,5 +113,5 @@ stop_slurm() {
   slurm=
 }
 
-# job_field JOB FIELD: of each task of the job, a line
+# job_field JOB FIELD: prints one line for each task of the job
 job_field() { scontrol show job "$1" 2>/dev/null | tr ' ' '\n' | sed -n "s/^$2=//p"; }

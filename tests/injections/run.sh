@@ -1,10 +1,12 @@
 #!/bin/sh
-# run.sh TOOL [COUNT] [SEED]: flips COUNT bits (10,000) in traces with cells of about 1,000 bodies; a line for each kind.
+# run.sh TOOL [COUNT] [SEED]: flips COUNT bits (10,000) in traces with cells of about 1,000 bodies; prints a line per
+# kind.
 # SPDX-License-Identifier: MIT
 #
-# At the end of a tick: tick, table and columns must be exact, every row concerned on the list, the median list as long
-# as what is concerned; in two to four bodies at once, the median list at most six rows. Inside the solver: tick and
-# table exact, the body on the list; how long the list gets is told. Exits 0 if all of it holds.
+# Flips at the end of a tick: tick, table and columns must be exact, every affected row must be listed, and the median
+# list must only have the affected rows. Flips in two to four bodies at once: the median list has at most six rows.
+# Flips inside the solver: tick and table must be exact, and the body must be listed; the length of the list is only
+# printed. Exits 0 if every condition holds.
 set -u
 tool=$1
 count=${2-10000}
@@ -15,7 +17,7 @@ failures=0
 
 value() { sed -n 's/^ *"'"$2"'": \([0-9]*\),\{0,1\}$/\1/p' "$1" | head -n 1; }
 
-# flip NAME LONGEST ARGUMENT...: LONGEST of the median list; empty: any; same: as what is concerned.
+# flip NAME LONGEST ARGUMENT...: LONGEST limits the median list; empty: no limit; same: the affected rows.
 flip() {
   name=$1
   longest=$2

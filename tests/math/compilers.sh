@@ -51,7 +51,7 @@ if [ "$here" = x86_64 ] && cpu_has avx2 fma; then
   check g++ -x c++ -std=c++14 -O2 -mfma -ffp-contract=fast -flto
   check clang-14 -std=c11 -O3 -march=native -ffp-contract=fast
   check clang++-19 -x c++ -std=c++14 -O3 -march=native -ffp-contract=fast
-  # The control: without its empty asm statements the file has other bits.
+  # The control: without its empty asm statements, the file gives other bits.
   mkdir -p "$work/control"
   cp -r include tests/math "$work/control"
   mkdir -p "$work/control/tests" && mv "$work/control/math" "$work/control/tests/math"
@@ -65,7 +65,7 @@ gcc -std=c11 -O2 -I. tests/math/digest.c -lxxhash -o "$work/program" || complain
 "$work/program" 1000000 >"$work/found"
 diff "$work/expected_many" "$work/found" || complain "1,000,000 arguments: other bits than digests.tsv"
 
-# No function of libm: the object asks for memcpy at most.
+# No function of libm: the object may only need memcpy.
 cat >"$work/names.c" <<'NAMES'
 #include "include/ticktrue/math.h"
 double f(double x, double y);
@@ -75,7 +75,7 @@ gcc -std=c11 -O0 -I. -c "$work/names.c" -o "$work/names.o" || complain "names: b
 names=$(nm -u "$work/names.o" | awk '{ print $NF }' | grep -vxE 'memcpy|_GLOBAL_OFFSET_TABLE_' | tr '\n' ' ')
 [ -z "$names" ] || complain "names from libraries: found $names, expected none but memcpy"
 
-# What changes results is refused, unless it is allowed by name.
+# Flags that change results are refused, unless they are allowed by name.
 refused() {
   "$@" -I. -fsyntax-only "$work/names.c" 2>"$work/log" && complain "$*: found no error, expected one"
   grep -q 'ticktrue/math.h' "$work/log" || complain "$*: the error does not name the file"

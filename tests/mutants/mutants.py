@@ -38,7 +38,7 @@ engine/model/bodies.h engine/integrators/flow.cpp engine/integrators/motion_rows
 engine/model/motion_bounds.h engine/model/margins.h engine/solvers/substep_strategies.cpp
 """.split()
 
-# What decides a verdict: it walks over ticks, compares them, names what differs, and turns that into an exit code.
+# Files that decide a verdict: they walk over ticks, compare them, name differences, and choose an exit code.
 VERDICT_FILES = """
 verifier/verify/*.cpp verifier/verify/*.h verifier/locate/*.cpp verifier/locate/*.h verifier/report/exit_codes.cpp
 verifier/report/exit_codes.h
@@ -50,7 +50,7 @@ replay/**/*.cpp replay/**/*.h verifier/**/*.cpp verifier/**/*.h engine/**/*.cpp 
 
 SOAK = ("'{program}' soak --worlds 1000000 --seed {seed} --time {time} --failures 1 -j {threads} "
         "--hashes '{root}/tests/worlds/hashes.tsv' --cache-counts '{root}/tests/worlds/cache_counts.tsv' --out '{out}'")
-# Quick tests first: the first that fails ends the check.
+# Quick tests first, because the first failure ends the check.
 TESTS = "'{root}/tests/mutants/run_tests.sh' '{build}' {time}"
 
 Set = collections.namedtuple('Set', 'files has_tests check word grace')
@@ -157,7 +157,7 @@ class Workshop:
         os.makedirs(self.tree)
         root = self.options.root
         subprocess.check_call(f"cd '{root}' && git ls-files -z | xargs -0 cp --parents -t '{self.tree}'", shell=True)
-        # without sed a build has no digest of its sources: a mutant with the same code is the same program
+        # without sed, a build has no digest of its sources: a mutant with equal code then gives an equal program
         launcher = '-DCMAKE_CXX_COMPILER_LAUNCHER=ccache' if shutil.which('ccache') else ''
         configure = (f"cmake -S '{self.tree}' -B '{self.build_dir}' -G Ninja -DCMAKE_BUILD_TYPE=Release "
                      f"-DCMAKE_CXX_FLAGS_RELEASE=-O2 -DCMAKE_CXX_FLAGS=-Wno-error -DTICKTRUE_UNITY=OFF "
@@ -282,7 +282,7 @@ class Mutants:
                         return mutant
                     self.counts[done[mutant.draw][5]] += 1
                     continue
-            time.sleep(1)  # those under way may turn out to be no mutants
+            time.sleep(1)  # mutants in progress may turn out to be equal programs
 
     def work(self, workshop, mutants, done):
         while True:

@@ -1,5 +1,5 @@
 #!/bin/sh
-# Runs the tests of a build, quick ones first, and stops at the first that fails: run_tests.sh BUILD SECONDS
+# run_tests.sh BUILD SECONDS: runs the tests of a build, quick tests first, and stops at the first failure.
 # SPDX-License-Identifier: MIT
 build=$1
 seconds=$2

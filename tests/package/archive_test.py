@@ -61,7 +61,7 @@ class Room:
         words = ["env", "-i"] + [f"{name}={value}" for name, value in self.settings.items()]
         if can_hide():
             inner = " ".join("'" + word + "'" for word in words)
-            # The second place lies in the first one and is gone with it, unless it is elsewhere.
+            # The second place is inside the first, and is removed with it, unless it is elsewhere.
             hide = hide.replace(f"mount -t tmpfs none '{BUILD}' && ", "") if BUILD.is_relative_to(SOURCE) else hide
             return run(["unshare", "-m", "sh", "-c", f'{hide}exec {inner} sh -c "$1"', "sh", line])
         return run(words + ["sh", "-c", line])
@@ -140,7 +140,7 @@ def check_programs(tree):
         paths = re.findall(r"R(?:UN)?PATH +(\S+)", dynamic)
         expected = ["$ORIGIN/../lib/ticktrue"] if name == "bin/ticktrue" else []
         check(paths == expected, f"{name}: paths of libraries: found {paths}, expected {expected}")
-    # Variables that are the same in each unit ("u") stay visible whatever objcopy is told: the linker merges them.
+    # Unique symbols ("u") stay visible even after objcopy, because the linker merges them.
     names = run(["nm", "--defined-only", "--extern-only", "--format=posix", str(tree / "lib/libticktrue.a")]).stdout
     symbols = [line.split()[:2] for line in names.splitlines() if len(line.split()) >= 2]
     check(len(symbols) > 50, f"libticktrue.a: names: found {len(symbols)}")
@@ -179,7 +179,7 @@ def check_quickstart(work):
         written.append("```")
         at = end + 1
     check(count >= 15, f"quickstart.md: found {count} commands, expected 15 or more")
-    # The struct has 20 members of 8 types or more, and columns of all.
+    # The struct has 20 or more members of 8 types, and a column for each.
     struct = re.search(r"struct Unit \{(.*?)\n\};", path.read_text(), re.S).group(1)
     members = re.findall(r"[\w:]+(?:, \w+)*;", re.sub(r"^\s*[\w:]+ ", "", struct, flags=re.M))
     names = [name for member in members for name in member.rstrip(";").split(", ")]
@@ -245,7 +245,7 @@ endforeach()
         check("recorded" in done.stdout and "600 ticks" in done.stdout, f"{program} --record\n{done.stdout}")
         done = room.run(f"{program} --verify {trace}")
         check(done.returncode == 0 and "600 of 600 ticks compared" in done.stdout, f"{program} --verify\n{done.stdout}")
-    # Another game: the unit bounces otherwise.
+    # Another game: the unit bounces in another way.
     (room.folder / "mygame.cpp").write_text(game.replace("u.vy *= -0.8f", "u.vy *= -0.75f"))
     for program in ("./by_pkg_config", "build/by_ticktrue"):
         room.run(builds[program] if program == "./by_pkg_config" else "cmake --build build --target by_ticktrue")
@@ -305,7 +305,7 @@ def run_job(name, room, settings, job, values, last_exit):
     room.settings |= settings
     for number, step in enumerate(job["steps"]):
         if step.startswith("sudo apt-get"):
-            continue  # what it installs is there
+            continue  # the packages are already installed
         for key, value in values.items():
             step = step.replace("${{ matrix.%s }}" % key, value)
         check("${{" not in step, f"{name}: a value that the test does not know: {step}")

@@ -1,14 +1,14 @@
 #!/usr/bin/env python3
-# Opens pages of `ticktrue report` in a headless Chromium and uses them as a person would.
+# Opens pages of `ticktrue report` in a headless Chromium, and uses them like a person.
 # SPDX-License-Identifier: MIT
 #
 #   page_test.py TICKTRUE PLANT_FAULT
 #
-# Verified: no page writes an error to the console; every fact shown is the one of `verify --json`; bodies are drawn
-# where `replay` says, to half a step of the grid; playing stops at the divergence and rings the body it is about; keys,
-# buttons, wheel, fingers, timeline and theme do what they say; on a phone nothing sticks out; on paper there is the
-# report without its buttons. Exit 77, which ctest counts as
-# skipped: there is no chromium or no chromedriver. Needs nothing but Python's own library.
+# Verified: no page writes an error to the console; every shown fact equals that of `verify --json`. Bodies are drawn
+# where `replay` reports them, to half a step of the grid. Playing stops at the divergence and marks the affected body.
+# Keys, buttons, wheel, fingers, timeline and theme work. On a phone nothing exceeds the screen; on paper the report has
+# no buttons. Exit 77, which ctest counts as skipped: chromium or chromedriver is missing. Only needs Python's standard
+# library.
 import base64
 import json
 import os
@@ -62,7 +62,7 @@ class Browser:
 
     def open(self, path):
         self.call('POST', '/url', {'url': 'file://' + path})
-        for _ in range(500):  # poses are unpacked behind the load
+        for _ in range(500):  # poses are unpacked after the page has loaded
             if self.run('return document.body.dataset.ready') == 'yes':
                 return
             time.sleep(0.01)
@@ -212,7 +212,7 @@ def compare_poses(browser, bench, name, tick, names):
               '%s at tick %d: drawn at %r, is at %r' % (body['name'], tick, pose, (x, y)))
 
 
-# Pixels of the canvas in the colour of what is wrong.
+# Canvas pixels in the colour of a fault.
 red_pixels = '''
 const canvas = document.getElementById('world');
 const image = canvas.getContext('2d').getImageData(0, 0, canvas.width, canvas.height).data;
@@ -350,7 +350,7 @@ def use_other_pages(browser, bench):
                       'return [verdict.dataset.tone, document.getElementById("verdict-name").textContent]') ==
           ['bad', 'Different'], 'against: the headline is not that the traces differ')
     before, behind = browser.run(red_strips, 10, 130), browser.run(red_strips, 140, 298)
-    # The lower strip is hatched: what was recorded there is known.
+    # The lower strip is hatched, because its recorded states are known.
     check(before == [0, 0] and behind[0] > 0.95 and behind[1] > 0.4,
           'against: of the strips %r is red before the difference, %r behind it' % (before, behind))
     bench.call('record', 'stack', '--ticks', '60', '-o', 'stack.ttr')

@@ -1,10 +1,10 @@
 #!/bin/sh
-# Breaks the arithmetic of a copy of the tree in three ways and shows that the traces name the place.
+# Breaks the arithmetic of a copy of the tree in three ways, and shows that the traces name the place.
 # SPDX-License-Identifier: MIT
 # usage: break.sh JOBS [KIND...]    from the root of the tree. Exits 0 if each is found, with tick, table, column, row.
 #
-# contract: products and sums fuse (aarch64). libm: the C library's sine and cosine in the rotation of a body (x86-64).
-# flush: subnormal results become zero (x86-64). trace_check runs them, since the tool itself refuses to run so.
+# contract: products and sums fuse (aarch64). libm: a body's rotation uses the C library's sine and cosine (x86-64).
+# flush: subnormal results become zero (x86-64); trace_check runs this kind, because the tool refuses such settings.
 set -u
 jobs=$1
 shift
@@ -21,7 +21,7 @@ fail() {
   exit 1
 }
 
-# change FILE FROM TO: replaces the text, which must be there.
+# change FILE FROM TO: replaces the text, which must exist.
 change() {
   grep -qF -- "$2" "$1" || fail "$1: found no \"$2\", which is what would be broken"
   awk -v from="$2" -v to="$3" '
@@ -29,7 +29,7 @@ change() {
     { print }' "$1" >"$1.new" && mv "$1.new" "$1"
 }
 
-# copy_tree KIND: the tree, without what was built, into out/broken/KIND; the rest of a kind happens there.
+# copy_tree KIND: copies the sources to out/broken/KIND, in which all further steps of this kind happen.
 copy_tree() {
   mkdir -p "$out/$1"
   for part in "$root"/*; do
@@ -38,7 +38,7 @@ copy_tree() {
   cd "$out/$1" || fail "cannot enter $out/$1"
 }
 
-# find_place KIND PRESET: builds the broken copy and runs it over recordings that hold every state, then over the goldens.
+# find_place KIND PRESET: builds the broken copy, and runs it on recordings with all states, then on the golden traces.
 find_place() {
   CCACHE_BASEDIR=$(pwd)
   export CCACHE_BASEDIR
@@ -59,7 +59,7 @@ find_place() {
   cd "$root" || fail "cannot return"
 }
 
-# The recordings come from a build that is not broken.
+# An unbroken build makes the recordings.
 cmake --preset gcc >"$out/gcc.log" 2>&1 && cmake --build build/gcc -j "$jobs" --target ticktrue >>"$out/gcc.log" 2>&1 ||
   fail "gcc: does not build: see $out/gcc.log"
 build/gcc/run ticktrue record 'stack?boxes=3&precision=f32' --ticks 60 --detail full --no-compress -o "$out/a_stack.ttr" >/dev/null &&

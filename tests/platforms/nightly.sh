@@ -2,9 +2,9 @@
 # Ten times the golden ticks: random worlds, sessions of ten minutes and crowds, recorded by gcc and verified elsewhere.
 # SPDX-License-Identifier: MIT
 # usage: nightly.sh JOBS SHARE MINUTES NAME...    from the root of the tree. SHARE: 50 means a 50th of the work. No new
-# batch begins after MINUTES. build/gcc has ticktrue, build/NAME has trace_check. What trace_check of a platform has
-# verified is in out/nightly/verified/NAME; a trace of the same bytes is not verified again by the same program. Exits 0 if
-# everything was verified and nothing differs.
+# batch begins after MINUTES. build/gcc has ticktrue, and build/NAME has trace_check. out/nightly/verified/NAME lists
+# verified traces. The same program does not verify a trace with equal bytes again. Exits 0 if everything was verified
+# and nothing differs.
 set -u
 jobs=$1
 share=$2
@@ -16,13 +16,13 @@ mkdir -p "$out/traces" "$out/verified" "$out/rows" "$out/logs"
 end_time=$(($(date +%s) + minutes * 60))
 tool() { build/gcc/run ticktrue "$@"; }
 complain() { printf 'nightly: error: %s\n' "$1" >&2; }
-# divided COUNT: its share, at least 1
+# divided COUNT: its share of the work, at least 1
 divided() { echo $((($1 + share - 1) / share)); }
 
 # --- the traces -----------------------------------------------------------------------------------------------------
 
-# Golden ticks are 28,792. Ten times as many: 1,250 random worlds of 117 ticks in the mean, four sessions of 36,000 ticks,
-# and crowds.
+# There are 28,792 golden ticks. This run has ten times as many: 1,250 random worlds of 117 ticks on average, four
+# sessions of 36,000 ticks, and crowds.
 world_count=$(divided 1250)
 session_seconds=$(divided 600)
 session_scenes='thesis thesis?precision=f32 thesis?solver=tgs_soft thesis?solver=tgs_soft&precision=f32'
@@ -31,7 +31,7 @@ crowds='mixed_pile 10000 600
 gas 20000 300
 resting 40000 120'
 
-# record_trace NAME WORDS...: unless it is there.
+# record_trace NAME WORDS...: records a trace unless the file exists.
 record_trace() {
   name=$1
   shift
@@ -82,13 +82,13 @@ CROWDS
 
 # --- verification ---------------------------------------------------------------------------------------------------
 
-# What was compiled: the objects, without the one that holds the commit.
+# A digest of the compiled objects, without the object that holds the commit.
 program_digest() {
   (cd "build/$1" && find base engine replay tests/CMakeFiles/trace_check.dir \( -name '*.o' -o -name '*.obj' \) \
     ! -name 'build_info*') | sed "s|^|build/$1/|" | LC_ALL=C sort | xargs cat | sha256sum | cut -c 1-32
 }
 
-# verify_platform NAME: batches of at most 20 traces; each that passes is noted.
+# verify_platform NAME: verifies batches of at most 20 traces, and notes each trace that passes.
 verify_platform() {
   platform=$1
   program=$(program_digest "$platform")
@@ -135,7 +135,7 @@ begin=$(date +%s)
 : >"$out/list"
 engine=$(sh tests/platforms/record.sh digest)
 if [ "$(cat "$out/engine" 2>/dev/null)" != "$engine" ]; then
-  rm -f "$out"/traces/*  # of another engine
+  rm -f "$out"/traces/*  # traces of another engine
   echo "$engine" >"$out/engine"
 fi
 make_traces || { complain "a trace could not be recorded"; exit 1; }

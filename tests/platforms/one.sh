@@ -1,9 +1,8 @@
 #!/bin/sh
-# Builds and runs one platform, and writes what was found as out/platforms/NAME/row.tsv and result.json.
+# Builds and runs one platform, and writes the results to out/platforms/NAME/row.tsv and result.json.
 # SPDX-License-Identifier: MIT
-# usage: one.sh NAME JOBS quick|full [REFERENCE]    from the root of the tree. REFERENCE: the platform whose recordings are
-# compared with; without it this platform's own. quick: what needs the tool is done by platform_check. Exits 0 if nothing
-# differs.
+# usage: one.sh NAME JOBS quick|full [REFERENCE]    from the root of the tree. REFERENCE: the platform whose recordings
+# are compared; default: this platform. quick: platform_check replaces the tool. Exits 0 if nothing differs.
 set -u
 name=$1
 jobs=$2
@@ -20,17 +19,17 @@ json_value() {
     head -n 1
 }
 json_text() { printf '%s' "$1" | tr -d '\r' | tr '\n\t' '  ' | sed 's/\\/\\\\/g; s/"/\\"/g'; }
-# An emulator that hangs ends here, as a difference.
+# Ends an emulator that hangs, and counts it as a difference.
 run() { timeout 1200 "build/$name/run" "$@"; }
 program=platform_check
 [ "$extent" = quick ] || program=ticktrue
 tool() { run "$program" "$@"; }
 
-# The first thing that went wrong; the table shows it.
+# The first failure, for the table.
 first=
 find_fault() { [ -n "$first" ] || first=$1; printf 'FOUND: %s\n' "$1"; }
 
-# User time of everything this script has waited for, in hundredths of a second.
+# User time of all child processes of this script, in hundredths of a second.
 user_time() {
   sed -n '2s/^\([0-9]*\)m\([0-9]*\)[.,]\([0-9][0-9]\).*/\1 \2 \3/p' "$out/times" | awk '{ print $1 * 6000 + $2 * 100 + $3 }'
 }
@@ -48,8 +47,8 @@ end_phase() {
 
 # --- fused multiply-add ---------------------------------------------------------------------------------------------
 
-# For each platform: its disassembler, the pattern of its fused instructions, and flags with which its compiler would make
-# one, so that the pattern itself is seen to find it. Empty: the platform has no such instruction.
+# For each platform: its disassembler, the pattern of its fused instructions, and flags that make its compiler emit one.
+# The flags test the pattern itself. Empty: the platform has no such instruction.
 disassembler=objdump
 contract='-ffp-contract=fast'
 case $name in
@@ -85,10 +84,10 @@ check_fused() {
     find_fault "fused: found $fused_count fused instructions in the engine's $(wc -l <"$out/objects") objects, expected 0"
 }
 
-# --- traces that travel ---------------------------------------------------------------------------------------------
+# --- traces between platforms ----------------------------------------------------------------------------------------
 
-# name, scene, inputs, ticks: recorded on every platform and compared with the reference's. `overflow` ends where a value
-# becomes infinite, `drift` goes through subnormal numbers.
+# name, scene, inputs, ticks: recorded on every platform and compared with the reference. `overflow` ends when a value
+# becomes infinite. `drift` goes through subnormal numbers.
 travel_scenes='stack stack?boxes=4&precision=f32 - 120
 pile mixed_pile?bodies=12&precision=f64 - 120
 thesis thesis?precision=f32 traces/thesis_mouse.jsonl 180
@@ -124,7 +123,8 @@ check_travel() {
     note=$(grep '"note"' "$out/$label.ttr.json" | tr -d '\r')
     expected=$(grep '"note"' "out/platforms/$reference/$label.ttr.json")
     [ "$note" = "$expected" ] || find_fault "record $label: finding: found $note, expected $expected"
-    # Here the reference's, there ours, and both by content: setup, inputs, hashes, states; build facts apart.
+    # Verifies the reference's trace here, and this platform's trace there. Also compares both by content, without build
+    # facts.
     tool verify "out/platforms/$reference/$label.ttr" </dev/null >"$out/$label.here" 2>&1 ||
       find_fault "verify here, recorded by $reference: $(head -n 1 "$out/$label.here")"
     "build/$reference/run" "$program" verify "$out/$label.ttr" </dev/null >"$out/$label.there" 2>&1 ||
@@ -137,22 +137,22 @@ check_travel() {
 
 # --- messages -------------------------------------------------------------------------------------------------------
 
-# What is no terminal gets no progress bar, whatever the platform's isatty says.
+# Output to a file gets no progress bar, whatever the platform's isatty returns.
 check_no_bar() {
   if [ "$extent" = quick ]; then
     tool bar </dev/null >"$out/bar.out" 2>"$out/bar.err" || find_fault "progress: $(head -n 1 "$out/bar.err")"
   else
     scene=stack
-    [ "$name" != wasm ] || scene='mixed_pile?bodies=300' # node hands no environment on: a run of seconds
+    [ "$name" != wasm ] || scene='mixed_pile?bodies=300' # node does not pass the environment: a run of seconds
     TICKTRUE_PROGRESS=at_once tool run "$scene" --ticks 600 </dev/null >"$out/bar.out" 2>"$out/bar.err"
   fi
   if grep -q "$(printf '\033')" "$out/bar.err"; then find_fault "progress: found a bar in a file, expected none"; fi
 }
 
-# The result counts for the record if the sources stayed as they were.
+# The result only counts for the record if the sources did not change meanwhile.
 digest=$(sh tests/platforms/record.sh digest)
 
-# --- all of it ------------------------------------------------------------------------------------------------------
+# --- all steps ------------------------------------------------------------------------------------------------------
 
 traces=- ticks=- worlds=- compiler=- target=- tests=- travel=- fused_count=- probe=- build_user=- build_wall=- run_user=- run_wall=-
 
@@ -166,7 +166,7 @@ main() {
   start_phase
   cmake --preset "$name" || { find_fault "configuration failed"; return; }
   if ! build_all; then
-    # Names that collide only when sources are compiled together are no difference of the platform.
+    # Names that only collide in a unity build are no difference of the platform.
     echo "built again, file by file"
     cmake --preset "$name" -DTICKTRUE_UNITY=OFF && build_all || { find_fault "build failed"; return; }
   fi
@@ -185,8 +185,8 @@ main() {
   worlds=$(sed -n 's/^\([0-9]*\) worlds, .*/\1/p' "$out/worlds")
   [ "${worlds:-0}" -ge 100 ] || find_fault "worlds: found ${worlds:-0}, expected at least 100"
   tests=passed
-  # The worlds are compared above. How near the engine's sine is to the C library's is no question where that library is
-  # the inexact one (MinGW).
+  # The worlds are compared above. The distance between the engine's sine and the C library's is not checked if that
+  # library is inexact (MinGW).
   run portable_tests '~[trig]~"random worlds have*",[golden]' >"$out/tests" 2>&1 || { tests=FAILED; find_fault "portable tests: $(grep -m 1 "FAILED:" "$out/tests"; tail -n 3 "$out/tests" | tr "\n" " ")"; }
   tail -n 3 "$out/tests"
   if [ "$extent" = quick ]; then set -- env; else set -- env --check --json; fi

@@ -1,5 +1,6 @@
 #!/bin/sh
-# The record of the platforms: what makes `record.sh check` fail, what makes it warn, and what it does not see.
+# The record of the platforms: changes that make `record.sh check` fail, changes that only warn, and changes without
+# effect.
 # SPDX-License-Identifier: MIT
 # usage: record_test.sh RECORD.SH
 set -u
@@ -27,7 +28,7 @@ expect() {
 }
 same_digest() { expect "$1" 0 "^$first\$" digest; }
 
-# run COUNT DIGEST: results of ten platforms, of which so many gave the same bits.
+# run COUNT DIGEST: makes results of ten platforms, of which COUNT gave equal bits.
 run() {
   for number in 1 2 3 4 5 6 7 8 9 10; do
     [ "$number" -le "$1" ] && ok=true || ok=false

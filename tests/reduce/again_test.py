@@ -1,10 +1,10 @@
-# Runs the lines `again` that `ticktrue reduce` prints where a tool or a plug-in with a planted fault is needed.
+# Runs the `again` lines of `ticktrue reduce` that need a tool or a plug-in with a planted fault.
 # SPDX-License-Identifier: MIT
 #
 #   again_test.py TICKTRUE PLANTED_TOOL COUNTING_PLUGIN
 #
-# A printed command runs as it stands, by a shell that finds the planted tool as `ticktrue`. It shows the same failure.
-# With the tool as it is, the same command finds nothing. tests/cli/cases/reduce.case has the other options of reduce.
+# A printed command runs unchanged, in a shell that finds the planted tool as `ticktrue`, and shows the same failure.
+# With the real tool, the same command finds nothing. tests/cli/cases/reduce.case tests the other options of reduce.
 import argparse
 import os
 import re
@@ -84,7 +84,7 @@ def check_plugin(folder, plugin):
     expect(again, command.replace("{}", "'of a plug-in/trace.ttr'"))
     expect(shell(folder, "whole", again, 1), '"verdict": "diverged"', '"column": "total"')
     expect(shell(folder, "whole", again.replace("COUNTING_FAULT=1 ", ""), 0), '"verdict": "match"')
-    # The session without the byte that is counted wrong.
+    # The session without the miscounted byte.
     shell(folder, "whole", f"sed 's/09/08/' 'of a plug-in/inputs.jsonl' > mended.jsonl && ticktrue record "
           f"--plugin {plugin} - --inputs mended.jsonl --ticks 1 -o mended.ttr", 0)
     shell(folder, "whole", command.replace("{}", "mended.ttr"), 0)

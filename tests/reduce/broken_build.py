@@ -1,13 +1,14 @@
-# Builds a copy of the tree whose engine makes a planted mistake when the variable TICKTRUE_PLANTED says which.
+# Builds a copy of the tree whose engine makes the mistake that the variable TICKTRUE_PLANTED selects.
 # SPDX-License-Identifier: MIT
 #
 #   broken_build.py TREE FOLDER [JOBS]
 #
-# TREE is the tree to copy, FOLDER where the copy goes (made anew). The program is FOLDER/build/release/ticktrue.
-# TICKTRUE_PLANTED=7: the change of arithmetic with this number, as another compiler, library or processor would make it.
-# TICKTRUE_PLANTED=flip STAGE TABLE COLUMN LANE BIT WHERE WHERE_LANE LOWER UPPER: after this stage a bit of the column
-# flips, in the first row of the table in which lane WHERE_LANE of column WHERE is in LOWER..UPPER.
-# Without the variable the copy computes as the tree does.
+# TREE is the tree to copy, FOLDER the new folder of the copy. The program is FOLDER/build/release/ticktrue.
+# TICKTRUE_PLANTED=7: the change of arithmetic with this number, as another compiler, library or processor would make
+# it.
+# TICKTRUE_PLANTED=flip STAGE TABLE COLUMN LANE BIT WHERE WHERE_LANE LOWER UPPER: after this stage, a bit of the column
+# flips. It flips in the first row of the table in which lane WHERE_LANE of column WHERE is in LOWER..UPPER.
+# Without the variable, the copy computes like the tree.
 import os
 import subprocess
 import sys
@@ -102,7 +103,7 @@ inline void plant_after_stage(const std::string& stage, const StateView& view) {
 
 VEC2, CIRCLES, KERNELS = "engine/math/vec2.h", "engine/narrow_phase/collide_circles.cpp", "engine/contacts/contact_kernels.cpp"
 MOTION, FORCES = "engine/integrators/motion_kernels.cpp", "engine/integrators/forces.cpp"
-# number: file, text, what stands before it while the number is planted
+# number: file, text, and the text to insert before it while the number is planted
 CHANGES = {
     1: (VEC2, "  return {q.c * v.x - q.s * v.y, q.s * v.x + q.c * v.y};",
      "return {std::fma(q.c, v.x, -(q.s * v.y)), std::fma(q.s, v.x, q.c * v.y)};"),

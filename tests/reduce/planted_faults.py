@@ -1,11 +1,12 @@
-# Plants faults in sessions of a thousand bodies, reduces them, and checks the results. Prints a line for each, and medians.
+# Plants faults in sessions of a thousand bodies, reduces the sessions, and checks the results. Prints a line for each,
+# and medians.
 # SPDX-License-Identifier: MIT
 #
 #   planted_faults.py TICKTRUE [--broken PROGRAM] [--bodies N] [--only WORD] [--keep FOLDER] [--limits]
 #
-# PROGRAM is what broken_build.py builds; without it only scenes are planted: values that are not finite, and broken
-# expectations. A result counts if its own command shows the failure, in the same stage, table and column as the whole
-# session, and if it is green once the planted fault is out. --limits: exit code 1 where a median is above the goals.
+# broken_build.py builds PROGRAM. Without PROGRAM, faults are only planted in scenes: values that are not finite, and
+# broken expectations. A result counts if its command shows the failure in the same stage, table and column as the whole
+# session, and passes without the planted fault. --limits: exit code 1 if a median exceeds its goal.
 import argparse
 import copy
 import json
@@ -166,7 +167,7 @@ def energy(i, body_count):
                                 "body_b": f"stone_{b}", "length": 4.0})
         expect = "joint_gap < joint_gap_start + 0.5"
         scene["joints"][-1]["anchor_a"] = [30, 0]
-    elif kind == 4:  # a limit of the game that a person passes
+    elif kind == 4:  # a limit of the game that a person exceeds
         for _ in range(12):
             add_input(inputs, tick=rng.randrange(50, 500), kind="spawn", prototype="stone", x=rng.uniform(-15, 15), y=30)
         expect, mend = "bodies < bodies_start + 5", without_inputs

@@ -1,10 +1,10 @@
-# `ticktrue corpus --command`: what of a program a stored verdict holds for, and that no verdict is lost or wrongly kept.
+# `ticktrue corpus --command`: the parts of a program that a stored verdict depends on. No verdict is lost or wrongly
+# kept.
 # SPDX-License-Identifier: MIT
 #
 #   program_corpus_test.py TICKTRUE COMPILER INCLUDE LIBRARY_FOLDER [NAME...]
 #
-# A small game is built several times. Each run of it appends a line to a file, so that runs are counted and not
-# believed.
+# A small game is built several times. Each run of the game appends a line to a file, so that the test can count runs.
 import argparse
 import os
 import shutil
@@ -81,7 +81,7 @@ class Work:
         return self
 
     def put(self, name, path):
-        # A new file: a program that runs cannot be written to.
+        # A new file, because a running program cannot be overwritten.
         shutil.copy(os.path.join(self.built, name), path + ".new")
         os.rename(path + ".new", path)
 
@@ -177,7 +177,7 @@ def another_program_is_verified_anew(work):
     expect_cached(work, 2, command="./game --verify {} --sleep 0")
     work.put("rules_2", work.rules)
     expect_verified(work, 2)
-    # A file that a word names, and one that an option names.
+    # One file that a word names, and one that an option names.
     for text in "one", "two":
         with open(work.path("settings"), "w") as file:
             file.write(text)
@@ -204,13 +204,13 @@ def red_is_red_again(work):
     expect(code == 1 and "tick 10" in out, code, out, err)
     work.install("1")
     expect_verified(work, 2)
-    # A program that a signal ended may run through the next time: its verdict is not stored, and is no conflict.
+    # If a signal ended a program, the next run may succeed. The verdict is not stored, and is no conflict.
     work.install("2")
     code, line, err, runs = work.verify(GAME_CRASHES="1")
     expect(code == 1 and "2 diverged" in line, code, line, err)
     expect(work.report()[0] == 2, work.report())
     expect_verified(work, 2)
-    # The same for one that takes too long.
+    # The same for a program that takes too long.
     words = {"command": "./game --verify {} --sleep 1500"}
     code, line, err, runs = work.verify("--timeout", "1", **words)
     expect(code == 1 and "2 diverged" in line, code, line, err)
@@ -221,15 +221,15 @@ def what_does_not_count_is_not_stored(work):
     work.record(2)
     more = {"command": "./game --verify {} --load ./libmore.so"}
     shutil.copy(os.path.join(work.built, "more_1"), work.path("libmore.so"))
-    # A word names the library.
+    # A word of the command names the library.
     expect_verified(work, 2, **more)
     expect_cached(work, 2, **more)
     work.put("more_2", work.path("libmore.so"))
     expect_verified(work, 2, **more)
-    # No word names it.
+    # No word of the command names the library.
     more = {"command": f"./game --verify {{}} --load {work.folder}/./more/../libmore.so"}
     os.mkdir(work.path("more"))
-    expect_verified(work, 2, **more)  # a word, if not as the folder has it
+    expect_verified(work, 2, **more)  # a word, if different from the entry in the folder
     loader = work.path("loader.sh")
     with open(loader, "w") as file:
         file.write('#!/bin/sh\nexec ./game --verify "$1" --load ./libmore.so\n')
@@ -287,7 +287,7 @@ def a_killed_worker_loses_nothing(work):
     code, out, err = work.report(**words)
     expect(code == 0 and "12 match; 12 cached" in out, code, out, err)
     expect_cached(work, 12, **words)
-    # Nobody has a claim any more.
+    # No worker has a claim.
     left = [name for _, _, names in os.walk(work.path("store/claims")) for name in names]
     expect(not left, left)
 
@@ -298,7 +298,7 @@ def shards_and_slurm_share_the_work(work):
         code, line, err, runs = work.verify("--shard", shard)
         expect(code == 0 and 0 < runs < 5, code, line, err, runs)
     expect_cached(work, 5)
-    time.sleep(1.1)  # the log is in the order of seconds
+    time.sleep(1.1)  # the log is ordered by seconds
     work.install("2")
     code, script, err = work.tool("corpus", "slurm", "traces", "--cache", "store", "--command", "./game --verify {}",
                                   "--program-file", "traces/../librules.so", "--program-commit", "f00d", "--timeout", "77")

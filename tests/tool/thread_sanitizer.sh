@@ -1,10 +1,11 @@
 #!/bin/sh
-# The corpus under ThreadSanitizer: its tests, with the sources that have threads built anew and all else from a build.
+# Runs the corpus tests under ThreadSanitizer. Rebuilds the sources with threads, and takes all other objects from a
+# build.
 # SPDX-License-Identifier: MIT
 # usage: thread_sanitizer.sh BUILD [TEST...]    from the root of the tree; BUILD is a finished build by g++ with Ninja.
 #
-# The sanitizer sees every lock of the process, and every access of the sources below. Loops that simulate are not built
-# anew: they have no thread of their own. Exits 0 if it finds nothing, 1 if it finds something or a test fails.
+# The sanitizer observes every lock of the process, and every access in the sources below. Simulation loops are not
+# rebuilt, because they have no thread. Exits 0 if it finds nothing, 1 if it finds something or a test fails.
 set -eu
 build=$1
 shift
@@ -19,11 +20,12 @@ objects=$build/tests/CMakeFiles/ticktrue_sanitized_test_objects.dir/main.cpp.o
 for source in $sources; do
   object=$out/$(echo "$source" | tr / _).o
   objects="$objects $object"
-  # Not after a header alone: remove the folder then.
+  # A changed header does not trigger a rebuild: remove the folder in this case.
   [ "$object" -nt "$source" ] ||
     g++ $flags -I. -DTICKTRUE_HAS_THREADS -DTICKTRUE_SOURCE_DIR="\"$PWD\"" -DTICKTRUE_TOOL="\"$PWD/$build/ticktrue\"" -c "$source" -o "$object"
 done
-# What the tests are linked with, but their own objects. Symbols of these sources are in both: the first one counts.
+# The objects that the tests link, without the tests' own objects. Symbols of these sources are in both; the first one
+# counts.
 libraries=$(ninja -C "$build" -t commands ticktrue_tests | tail -n 1 | tr ' ' '\n' | grep -E '\.(a|so)$' |
   sed "s|^\([a-z]\)|$build/\1|")
 g++ -fsanitize=thread -Wl,--allow-multiple-definition -o "$out/tests" $objects $libraries -ldl

@@ -1,10 +1,11 @@
-# Runs `ticktrue trail` over generated variants of a small game: each has a few calls more or fewer in one function.
+# Runs `ticktrue trail` on generated variants of a small game. Each variant has a few calls more or fewer in one
+# function.
 # SPDX-License-Identifier: MIT
 #
 #   trail_test.py TICKTRUE COMPILER INCLUDE LIBRARY_FOLDER [--count N] [--seed N]
 #
-# A variant is a program of its own, built from a generated source. The trail must name tick, function and count of
-# every planted change, against the program without it.
+# A variant is a separate program, built from a generated source. The trail must name tick, function and count of every
+# planted change, compared with the original program.
 import argparse
 import json
 import os
@@ -15,7 +16,7 @@ import tempfile
 
 TICKS = 30
 FUNCTIONS = ["shuffle", "scatter", "spawn_wave", "choose_target", "roll_damage", "drift"]
-# How a function draws: marked by itself, by a helper that all share, or by the C library alone.
+# How a function draws: marked by the function, marked by a shared helper, or only by the C library.
 DIRECT, HELPER, LIBRARY = "direct", "helper", "library"
 
 HEAD = """
@@ -52,7 +53,7 @@ int main(int argc, char** argv) {
 }
 """
 
-# Marks by the C++ header: its functions are no callers.
+# Marks made by the C++ header, whose functions are not callers.
 CPP = """
 #include <ticktrue.hpp>
 static std::uint32_t own = 42;
@@ -151,7 +152,7 @@ def check(args, folder, game, plain, trace, number, rng):
         return f"{function} {plant}, {way}: first {first}"
     if function not in [frame["function"].split("(")[0] for frame in side["stack"]]:
         return f"{function} {plant}, {way}: stack {side['stack']}"
-    # Without the other build the trace tells counts alone, of marks that it holds.
+    # Without the other build, the trace only gives counts for the marks that it holds.
     if way != LIBRARY:
         code, alone = trail(args, trace, [], program)
         if code != 1 or alone["tick"] != plant["tick"] or alone["first"] is not None:
@@ -217,7 +218,7 @@ def check_printed_commands(args, folder, game, plain):
     printed = [line.split(None, 1)[1] for line in done.stdout.splitlines() if line.startswith("  again   ticktrue ")]
     with open(result) as file:
         stored = [command for command in json.load(file)["again"] if command.startswith("ticktrue ")]
-    is_whole = all("  # shows " in command for command in printed)  # what it is for is no argument
+    is_whole = all("  # shows " in command for command in printed)  # the explanation is not an argument
     if [command.split()[1] for command in printed] != ["trail", "shake"] or stored != printed or not is_whole:
         return f"a session with other marks: found {done.stdout} and {stored}, expected the commands trail and shake"
     for command, code, expected in [(printed[0], 1, "tick 11, in which the state diverges"),
@@ -225,7 +226,7 @@ def check_printed_commands(args, folder, game, plain):
         ran = run_printed(args, command, folder)
         if ran.returncode != code or expected not in ran.stdout:
             return f"{command}: exit code {ran.returncode}, found {ran.stdout}{ran.stderr}, expected {code}, {expected}"
-    # A program whose marks and state differ in each run: trail prints the command that names the source.
+    # A program whose marks and state differ in each run. Trail prints the command that names the source.
     restless = with_sum.replace("#include <stdlib.h>", "#include <stdlib.h>\n#include <unistd.h>").replace(
         "    ++tick;", '    if (tick == 5) ticktrue_mark(session, "process", sum = (uint64_t)getpid());\n    ++tick;')
     program = build(args, folder, "restless sum", restless)

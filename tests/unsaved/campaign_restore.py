@@ -1,9 +1,9 @@
-# Runs `ticktrue campaign --restore` over programs that forget a variable in their save, and over clean ones.
+# Runs `ticktrue campaign --restore` on programs whose save omits a variable, and on clean programs.
 # SPDX-License-Identifier: MIT
 #
 #   campaign_restore.py TICKTRUE FOLDER_OF_PROGRAMS
 #
-# Each program verifies its trace in one go without a finding: only a run from a save shows what the save forgets.
+# Each program verifies its trace in one run without a finding. Only a run from a save shows what the save omits.
 import json
 import os
 import subprocess
@@ -56,7 +56,7 @@ def main():
                                            text=True, cwd=folder)
                     expect(f"{name} --restore: exit code of `again`", again.returncode, 1)
 
-        # A session that does not take the words was not verified from its saves.
+        # A session that ignores the words was not verified from its saves.
         script = os.path.join(folder, "verify.sh")
         with open(script, "w") as out:
             out.write(f'exec "{programs}/unsaved_clean" plain --verify "$1"\n')
@@ -66,7 +66,7 @@ def main():
         expect("without the words", verdicts(found), ["incomplete"] * SEEDS)
         expect("without the words: reason", "did not take the words --mode restore" in found["rows"][0]["reason"], True)
 
-        # A trace without saves has nothing to begin at.
+        # A trace without saves has no place to start from.
         program = f"{programs}/unsaved_clean without_saves"
         code, found = campaign(tool, folder, "without", program, program + " --verify {trace}", "--restore")
         expect("without saves", (code, verdicts(found)), (0, ["match"] * SEEDS))

@@ -1,4 +1,5 @@
-# Runs `ticktrue unsaved` over programs that forget one variable each, over clean ones and over what cannot be examined.
+# Runs `ticktrue unsaved` on programs that omit one variable each, on clean programs, and on programs that cannot be
+# examined.
 # SPDX-License-Identifier: MIT
 #
 #   unsaved_test.py TICKTRUE FOLDER_OF_PROGRAMS STATIC_PROGRAM
@@ -10,7 +11,7 @@ import subprocess
 import sys
 import tempfile
 
-# What the first thing of a finding has to be: a name, or where the block was allocated.
+# The expected first thing of a finding: a name, or the place of the allocation.
 PLANTED = {
     "global": ("variable", "combo_global"),
     "file_static": ("variable", "lcg_state"),
@@ -39,7 +40,7 @@ PLANTED = {
     "cache": ("variable", "cached_sum"),
     "local": ("stack", ""),
 }
-# Of the programs beside the planted variable: it differs behind load and does no harm.
+# A variable of every planted program that differs after load without harm.
 HARMLESS = ["frames_shown", "last_message"]
 CLEAN = ["plain", "pure_cache", "pure_hash_cache", "allocations", "log_buffer", "frames", "containers", "scratch",
          "particles", "history", "printing", "large_blocks", "forks"]

@@ -1,5 +1,5 @@
 #!/bin/sh
-# The Windows build under wine: sessions in C and C++, the tool, plug-ins, paths, and traces that travel to Linux and back.
+# The Windows build under wine: sessions in C and C++, the tool, plug-ins, paths, and traces exchanged with Linux.
 # SPDX-License-Identifier: MIT
 # usage: run.sh BUILD STAGE LINUX    BUILD: folder of the Windows build. STAGE: the folder that a Windows archive holds.
 # LINUX: folder of a build for this machine, with `ticktrue` and libticktrue.so.
@@ -13,7 +13,7 @@ holder=
 trap '[ -z "$holder" ] || kill "$holder" 2>/dev/null; rm -rf "$work"' EXIT
 out=$work/out
 failures=0
-LC_ALL=C.UTF-8 # names of files as bytes of UTF-8
+LC_ALL=C.UTF-8 # file names as bytes of UTF-8
 WINEDEBUG=-all
 WINEPREFIX=$build/wine
 export LC_ALL WINEDEBUG WINEPREFIX
@@ -27,7 +27,8 @@ complain() {
   failures=$((failures + 1))
 }
 
-# expect EXIT TEXT COMMAND...: the command ends with EXIT and prints TEXT. A text of several lines: each of them.
+# expect EXIT TEXT COMMAND...: the command must end with EXIT and print TEXT. Of a text with several lines, it must
+# print each.
 expect() {
   wanted=$1
   text=$2
@@ -49,7 +50,7 @@ expect_run() {
 }
 tool=$stage/bin/ticktrue.exe
 
-# packed: what Linux recorded with packed checkpoints matches, or is refused by a build without zstd.
+# packed: Linux recordings with packed checkpoints match, or are refused by a build without zstd.
 packed() {
   wanted_text=$1
   shift
@@ -57,7 +58,7 @@ packed() {
 }
 
 cd "$work" || exit 2
-run cmd /c exit >/dev/null 2>&1 # makes the folder of wine
+run cmd /c exit >/dev/null 2>&1 # creates the folder of wine
 cp "$stage/bin/ticktrue.dll" .
 has_zstd=$(run "$tool" env 2>/dev/null | sed -n 's/.*zstd \([a-z]*\),.*/\1/p')
 case $has_zstd in
@@ -140,7 +141,7 @@ if [ -f "$stage/lib/ticktrue.lib" ] && command -v clang-19 >/dev/null 2>&1 && co
 match  msvc.ttr  100 of 100 ticks compared
 diverged  msvc.ttr
 ball.height" ./msvc_session.exe
-  # The words of compilers that libticktrue uses, as clang reads them for MSVC and for Apple: also the lines for MSVC alone.
+  # Parses the compiler-specific code of libticktrue with clang for MSVC and for Apple, including lines for MSVC only.
   for target in x86_64-pc-windows-msvc aarch64-pc-windows-msvc arm64-apple-macos13; do
     expect 0 "" clang++-19 --target=$target -std=c++20 -ffreestanding -Wall -Wextra -Werror -Wno-pragma-once-outside-header \
       -fsyntax-only -x c++ "$source/base/compiler/compiler.h"
@@ -183,7 +184,8 @@ expect_run 2 "cannot create" "$tool" record stack --ticks 60 -o 'kein Ordner 日
 expect_run 2 "check the spelling" "$tool" verify 'größe 日本 дом\fehlt.ttr'
 expect_run 0 "" "$tool" scenes --random 7 --bodies-max 20 --ticks-max 60 -o 'größe 日本 дом\szene 日.json'
 expect_run 0 '"ticks": 30' "$tool" record 'größe 日本 дом\szene 日.json' --ticks 30 --json -o 'größe 日本 дом\aus datei.ttr'
-# The arguments of a C program come in the code page of the system (here 1252): what it can write arrives.
+# The arguments of a C program are in the code page of the system (here 1252). Characters of this code page arrive
+# intact.
 expect_run 0 "600 ticks" ./lockstep.exe --record 'größe 1.ttr'
 [ -f 'größe 1.ttr' ] || complain "lockstep --record größe 1.ttr: found no file of that name"
 expect_run 0 "match" ./lockstep.exe --verify 'größe 1.ttr'

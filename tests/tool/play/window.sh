@@ -1,9 +1,9 @@
 #!/bin/sh
-# A scripted person at the window, under Xvfb: clicks 50 bodies, drags three, pauses, steps, ends. What was played
-# verifies, what was clicked is where it was clicked, and the screen shows bodies where the state has them. Then the
-# recording is played in the window: to its end, and nearer by the wheel.
-# usage: window.sh TOOL [TRACE_CHECK]   TRACE_CHECK: of another build or preset, verifies the recording, too
-# Exit 77: there is no Xvfb, no xdotool, or the tool has no window.
+# A scripted person uses the window under Xvfb: clicks 50 bodies, drags three, pauses, steps, ends. The recording
+# verifies, clicked bodies are at the clicked places, and the screen shows bodies at their places in the state. The
+# window then plays the recording to its end, and the wheel zooms in.
+# usage: window.sh TOOL [TRACE_CHECK]   TRACE_CHECK: of another build or preset; also verifies the recording
+# Exit 77: Xvfb or xdotool is missing, or the tool has no window.
 # SPDX-License-Identifier: MIT
 set -u
 tool=$(realpath "$1")
@@ -40,7 +40,7 @@ export DISPLAY
 unset WAYLAND_DISPLAY
 cd "$work" || exit 1
 
-# open TITLE ARGUMENT...: the tool with a window, in the background.
+# open TITLE ARGUMENT...: starts the tool with a window in the background.
 open() {
   title=$1
   shift
@@ -56,7 +56,7 @@ open() {
   done
   xdotool windowfocus "$window" sleep 0.5
 }
-# close: presses q, and waits until the tool has ended well.
+# close: presses q, and waits until the tool has ended without an error.
 close() {
   xdotool key q
   tries=0
@@ -69,7 +69,7 @@ close() {
   player=""
 }
 
-# Xvfb keeps what its screen shows in an XWD file: big-endian words, a table of colours, rows of pixels.
+# Xvfb keeps its screen in an XWD file: big-endian words, a table of colours, rows of pixels.
 word() {
   od -An -v -tu1 -j $(($1 * 4)) -N 4 screen.xwd | awk '{ print (($1 * 256 + $2) * 256 + $3) * 256 + $4 }'
 }
@@ -80,15 +80,15 @@ take_screen() {
   row_size=$(word 12)
   eval "$(xdotool getwindowgeometry --shell "$window" | grep '^[XY]=')"
 }
-# shown X Y: the colour at a place of the window.
+# shown X Y: prints the colour at a place in the window.
 shown() {
   od -An -v -tx1 -j $((pixels + (Y + $2) * row_size + (X + $1) * 4)) -N 3 screen.xwd | awk '{ print $3 $2 $1 }'
 }
 
-# The thesis' window is 32 x 24 m: 31.25 px to the metre here. Without gravity what is clicked stays there.
+# The window of the thesis scene is 32 x 24 m: 31.25 px per metre here. Without gravity, new bodies stay in place.
 open 'ticktrue - thesis' 'thesis?gravity=0' --size 1000x750 -o played.ttr --dump-frame end.json --json
 
-# x y button ctrl, in rows; the pieces do not touch each other.
+# x y button ctrl, in rows; the bodies do not touch each other.
 rows() {
   awk 'BEGIN {
     for (i = 0; i < 10; ++i) print 90 + 88 * i, 60, 1, 0
@@ -131,7 +131,7 @@ done
 [ "$(grep -c '"kind":"drag"' inputs.jsonl)" -ge 3 ] || fail "no drags"
 [ "$(grep -c static_circle inputs.jsonl)" = 10 ] || fail "static pieces: found others than 10"
 
-# Each click, in its order, made a piece within a pixel of where it was.
+# Each click, in order, made a body within a pixel of its place.
 grep '"kind":"spawn"' inputs.jsonl | tr ',{}' '\n\n\n' | sed -n 's/^"\([xy]\)":/\1 /p' >places
 awk 'NR == FNR { click_x[NR] = $1; click_y[NR] = $2; next }
   $1 == "x" { ++n; x = $2 }
@@ -141,10 +141,10 @@ awk 'NR == FNR { click_x[NR] = $1; click_y[NR] = $2; next }
   }
   END { if (n != 50) { print n " places, expected 50"; bad = 1 }; exit bad }' clicks places || fail "clicks and pieces differ"
 
-# The last picture: every body is drawn where the state has it.
+# The last picture draws every body at its place in the state.
 hash=$(sed -n 's/^ *"hash": "\([0-9a-f]*\)".*/\1/p' out.json | head -n 1)
 [ -n "$hash" ] && grep -q "\"hash\": \"$hash\"" end.json || fail "the picture is not of the last state"
-# bodies FILE: their x, y (m), px, py and colours in a dumped frame.
+# bodies FILE: prints x, y (m), px, py and colours of the bodies in a dumped frame.
 bodies() {
   tr -d ' ,"' <"$1" | awk -F: '
     $1 == "id" { ++n } $1 == "color" || $1 == "px" || $1 == "py" || $1 == "x" || $1 == "y" { value[n, $1] = $2 }
@@ -156,7 +156,7 @@ awk '{ dx = $1 * 31.25 - $3; dy = (24 - $2) * 31.25 - $4
     if (dx * dx + dy * dy > 0.01) { print "body " NR " is drawn beside its place"; bad = 1 } }
   END { if (NR != 55) { print NR " bodies, expected 55"; bad = 1 }; exit bad }' drawn || fail "drawn positions differ from the state"
 
-# The screen: at the place that the state gives, the body and not the ground.
+# At the place from the state, the screen shows the body and not the background.
 ground='161a21 1d222b 262d39'
 seen=0
 while read -r _ _ px py color; do
@@ -170,7 +170,7 @@ done <drawn
 empty=$(shown 500 440)
 case " $ground " in *" $empty "*) ;; *) fail "where no body is the screen shows $empty" ;; esac
 
-# The recording in the window: its last tick, nearer by two notches of the wheel around the pointer.
+# Plays the recording in the window: its last tick, zoomed in by two notches of the wheel around the pointer.
 open 'ticktrue - played.ttr' played.ttr --size 800x600 --dump-frame seen.json --json
 xdotool key End sleep 0.5 mousemove --window "$window" 200 150 click 4 click 4 click 4 click 5 sleep 0.4
 close
