@@ -1,4 +1,4 @@
-// Cause: the generator is seeded with the cycle counter of the processor, which no library stands in front of.
+// Cause: the generator is seeded with the cycle counter of the processor, which no library can replace.
 // SPDX-License-Identifier: MIT
 #ifdef __x86_64__
 #include <x86intrin.h>

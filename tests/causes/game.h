@@ -1,4 +1,4 @@
-// What the programs of the gallery share: eight units on a line, whose whole state is recorded or verified.
+// The frame of the gallery's programs: eight units on a line, whose whole state is recorded or verified.
 // SPDX-License-Identifier: MIT
 //
 // Each program is one file with one real mistake. With the argument `mended`, it does the same without the mistake.

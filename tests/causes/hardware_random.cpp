@@ -1,4 +1,4 @@
-// Cause: a number comes from an instruction of the processor, which no library stands in front of.
+// Cause: a number comes from an instruction of the processor, which no library can replace.
 // SPDX-License-Identifier: MIT
 #include <immintrin.h>
 

@@ -1,4 +1,4 @@
-// A program that misbehaves as soon as its environment is another: it crashes, hangs, prints, leaves processes behind.
+// A program that misbehaves as soon as its environment changes: it crashes, hangs, prints, leaves processes behind.
 // SPDX-License-Identifier: MIT
 #include <unistd.h>
 

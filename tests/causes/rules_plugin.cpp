@@ -1,4 +1,4 @@
-// Causes within a plug-in: its setup names the one mistake that its rules make, or none.
+// Causes within a plug-in: its setup names the one mistake of its rules, or none.
 // SPDX-License-Identifier: MIT
 #include <cstdint>
 #include <cstdio>

@@ -1,4 +1,4 @@
-// Cause: the rules draw from rand, from which sound and particles draw as well.
+// Cause: the rules draw from rand, and sound and particles draw from it as well.
 // SPDX-License-Identifier: MIT
 #include <cstdlib>
 

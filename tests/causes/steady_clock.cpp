@@ -1,4 +1,4 @@
-// Cause: the time since the machine was started decides who is lucky today.
+// Cause: the time since the machine started decides which unit is lucky today.
 // SPDX-License-Identifier: MIT
 #include <ctime>
 

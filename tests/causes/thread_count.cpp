@@ -1,4 +1,4 @@
-// Cause: a sum is divided among as many threads as there are processors. Floats do not add up the same.
+// Cause: a sum is divided among as many threads as the machine has processors. The order of float additions differs.
 // SPDX-License-Identifier: MIT
 #include <thread>
 #include <vector>

@@ -1,4 +1,4 @@
-// Pitfall: two calls with side effects as arguments of one call; each compiler chooses which comes first.
+// Pitfall: two calls with side effects are arguments of one call; each compiler chooses which comes first.
 // SPDX-License-Identifier: MIT
 #include "tests/pitfalls/pitfall.h"
 

@@ -1,4 +1,4 @@
-// Pitfall: a float too large for an int is converted to one, which C++ leaves to the processor.
+// Pitfall: a float too large for an int is converted to an int; C++ leaves the result undefined.
 // SPDX-License-Identifier: MIT
 #include "tests/pitfalls/pitfall.h"
 

@@ -1,4 +1,4 @@
-// Pitfall: a processor mode that makes zeros of the smallest numbers, set by a library or by -ffast-math at start.
+// Pitfall: a processor mode flushes subnormal numbers to zero; a library or -ffast-math sets the mode at start.
 // SPDX-License-Identifier: MIT
 #include <cfloat>
 

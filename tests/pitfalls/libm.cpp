@@ -1,4 +1,4 @@
-// Pitfall: sin of the platform's library, which each library rounds in its own way.
+// Pitfall: sin of the platform's library, whose rounding differs between libraries.
 // SPDX-License-Identifier: MIT
 #include "tests/pitfalls/pitfall.h"
 

@@ -1,4 +1,4 @@
-// Pitfall: min and max of 0 and -0 give either, and what looks at the sign then goes two ways.
+// Pitfall: min and max of 0 and -0 return either zero, and code that reads the sign then takes different paths.
 // SPDX-License-Identifier: MIT
 #include <cmath>
 

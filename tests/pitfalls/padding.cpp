@@ -1,4 +1,4 @@
-// Pitfall: the bytes between the members of a struct are hashed with it; nobody ever wrote them.
+// Pitfall: the padding between the members of a struct is hashed, although it is never written.
 // SPDX-License-Identifier: MIT
 #include <cstddef>
 #include <cstring>

@@ -1,4 +1,4 @@
-// Pitfall: rand() has a state of its own, which no trace holds and everybody in the process shares.
+// Pitfall: rand() has its own state, which no trace holds and the whole process shares.
 // SPDX-License-Identifier: MIT
 #include <cstdlib>
 

@@ -1,4 +1,4 @@
-// Pitfall: a float sum over an unordered_map, whose order belongs to the standard library.
+// Pitfall: a float sum over an unordered_map, whose order depends on the standard library.
 // SPDX-License-Identifier: MIT
 #include <algorithm>
 #include <unordered_map>

@@ -1,4 +1,4 @@
-// Pitfall: std::sort may order equal keys as it likes, and each library likes another order.
+// Pitfall: std::sort may order equal keys in any way, and the order differs between libraries.
 // SPDX-License-Identifier: MIT
 #include <algorithm>
 

@@ -1,4 +1,4 @@
-// Pitfall: a rule asks what time it is instead of how long the tick is.
+// Pitfall: a rule reads the time of day instead of the length of the tick.
 // SPDX-License-Identifier: MIT
 #include <chrono>
 

@@ -1,4 +1,4 @@
-// What tests of the Box2D peer share.
+// Helpers for tests of the Box2D peer.
 // SPDX-License-Identifier: MIT
 #pragma once
 

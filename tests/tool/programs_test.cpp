@@ -1,4 +1,4 @@
-// The words of --command, reports that come back from JSON, and two reports on one trace.
+// The command line of --command, reports read back from JSON, and two reports on one trace.
 // SPDX-License-Identifier: MIT
 #include <algorithm>
 #include <cstddef>

@@ -1,5 +1,5 @@
-// A rollback game on Box2D 2.4 that saves where its bodies are and how fast. Box2D keeps more in blocks of its own, as
-// contacts with the impulses that a tick begins with. Told `mended`, each tick makes the world anew from saved values.
+// A rollback game on Box2D 2.4 that saves the positions and speeds of its bodies. Box2D keeps more state in its own
+// blocks, such as contacts with their starting impulses. With `mended`, each tick rebuilds the world from saved values.
 // SPDX-License-Identifier: MIT
 #include <box2d/box2d.h>
 

@@ -1,4 +1,4 @@
-// Programs whose save is whole, with all that differs behind a load and does no harm: `clean NAME --record FILE`.
+// Programs whose save is complete, with many harmless differences after a load: `clean NAME --record FILE`.
 // SPDX-License-Identifier: MIT
 #include <signal.h>
 #include <sys/mman.h>

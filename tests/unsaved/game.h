@@ -1,4 +1,4 @@
-// The frame of the programs for tests of `ticktrue unsaved`: a small game whose save holds its columns alone.
+// The frame of the programs for tests of `ticktrue unsaved`: a small game whose save holds only its columns.
 // SPDX-License-Identifier: MIT
 #pragma once
 

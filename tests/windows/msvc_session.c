@@ -1,4 +1,4 @@
-// A session of MSVC's binary interface: 100 ticks recorded, verified, then verified with another value. No C library.
+// A session for MSVC's binary interface: 100 ticks recorded, verified, and verified with another value. No C library.
 // SPDX-License-Identifier: MIT
 #include "ticktrue.h"
 

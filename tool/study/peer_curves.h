@@ -1,4 +1,4 @@
-// Error against run time beside Box2D 2.4.1: ours over substeps, Box2D over iterations, on four scenes.
+// Error against run time beside Box2D 2.4.1: this engine over substeps, Box2D over iterations, on four scenes.
 // SPDX-License-Identifier: MIT
 //
 // The error is the distance from the ideal geometry, root mean square over the bodies and samples of the measured time.

@@ -1,4 +1,4 @@
-// Cause: two draws are arguments of one call. The language does not say which comes first.
+// Cause: two draws are arguments of one call. The language does not define which draw comes first.
 // SPDX-License-Identifier: MIT
 #include "tests/causes/game.h"
 

@@ -1,4 +1,4 @@
-// Cause: a signed sum overflows. An optimiser may take it that sums do not.
+// Cause: a signed sum overflows. An optimiser may assume that signed sums never overflow.
 // SPDX-License-Identifier: MIT
 #include <climits>
 

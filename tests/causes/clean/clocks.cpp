@@ -1,4 +1,4 @@
-// Clean: clocks are read for measurements and waiting, and none of it reaches the state.
+// Clean: clocks are read for measurements and waiting; no clock reaches the state.
 // SPDX-License-Identifier: MIT
 #include <chrono>
 #include <condition_variable>

@@ -1,4 +1,4 @@
-// Clean: maps, sets and lists by id, built up and torn down in every tick.
+// Clean: maps, sets and lists by id, built and destroyed in every tick.
 // SPDX-License-Identifier: MIT
 #include <list>
 #include <map>

@@ -1,4 +1,4 @@
-// Clean: reads its own folder, sorts what it finds, asks for the environment and prints; the state has none of it.
+// Clean: lists its own folder in sorted order, reads the environment and prints; none of this reaches the state.
 // SPDX-License-Identifier: MIT
 #include <dirent.h>
 #include <sys/random.h>

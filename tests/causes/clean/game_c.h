@@ -1,4 +1,4 @@
-// What the clean programs in C share: eight units, whose whole state is recorded or verified.
+// The frame of the clean programs in C: eight units, whose whole state is recorded or verified.
 // SPDX-License-Identifier: MIT
 #pragma once
 

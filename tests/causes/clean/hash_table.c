@@ -1,4 +1,4 @@
-// Clean: a hash table of its own whose keys are ids, with linked blocks of the heap, in C.
+// Clean: a custom hash table whose keys are ids, with linked blocks of the heap, in C.
 // SPDX-License-Identifier: MIT
 #include <stdlib.h>
 

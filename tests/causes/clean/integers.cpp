@@ -1,4 +1,4 @@
-// Clean: integers and a generator of its own, all of it state.
+// Clean: integers and a custom generator; all of them are state.
 // SPDX-License-Identifier: MIT
 #include "tests/causes/game.h"
 

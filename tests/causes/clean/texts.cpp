@@ -1,4 +1,4 @@
-// Clean: numbers become text and numbers again, by functions that know no locale. The program has one.
+// Clean: numbers become text and numbers again, with functions that ignore the locale. The program sets one.
 // SPDX-License-Identifier: MIT
 #include <charconv>
 #include <clocale>

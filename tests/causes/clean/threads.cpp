@@ -1,4 +1,4 @@
-// Clean: threads that divide fixed parts among themselves, each with a place of its own for its result.
+// Clean: threads divide fixed parts among themselves, and each writes its result to its own place.
 // SPDX-License-Identifier: MIT
 #include <atomic>
 #include <mutex>

@@ -1,4 +1,4 @@
-// A library for sound that switches denormal numbers off, as many do: they are slow and nobody hears them.
+// A sound library that switches denormal numbers off, as many do: they are slow and inaudible.
 // SPDX-License-Identifier: MIT
 #ifdef __SSE2__
 #include <xmmintrin.h>

@@ -1,4 +1,4 @@
-// Cause: a speed dies away into denormal numbers, which a library may have switched off.
+// Cause: a speed decays into denormal numbers, which a library may have switched off.
 // SPDX-License-Identifier: MIT
 #include "tests/causes/game.h"
 

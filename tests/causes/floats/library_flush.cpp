@@ -1,4 +1,4 @@
-// Cause: a library for sound makes denormal numbers zero, for the whole thread that loads it.
+// Cause: a sound library flushes denormal numbers to zero, for the whole thread that loads it.
 // SPDX-License-Identifier: MIT
 #ifdef __SSE2__
 #include <xmmintrin.h>

@@ -1,4 +1,4 @@
-// Cause: settings are read from the environment in its order, and the place in the list picks the map.
+// Cause: settings are read from the environment in its order, and the position in that list selects the map.
 // SPDX-License-Identifier: MIT
 #include "tests/causes/game.h"
 

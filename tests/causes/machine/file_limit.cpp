@@ -1,4 +1,4 @@
-// Cause: a cache is as large as the system permits open files, and what it holds is simulated first.
+// Cause: the size of a cache is the system's limit of open files, and cached units are simulated first.
 // SPDX-License-Identifier: MIT
 #include <sys/resource.h>
 

@@ -1,4 +1,4 @@
-// Cause: a match gets its number from the name of the machine.
+// Cause: the number of a match follows from the name of the machine.
 // SPDX-License-Identifier: MIT
 #include <unistd.h>
 

@@ -1,4 +1,4 @@
-// Cause: a number of a level file is parsed by the user's locale, which wants a comma.
+// Cause: a number in a level file is parsed with the user's locale, which expects a comma.
 // SPDX-License-Identifier: MIT
 #include <clocale>
 #include <cstdlib>

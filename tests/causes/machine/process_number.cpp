@@ -1,4 +1,4 @@
-// Cause: the names of units that appear begin with the number of the process.
+// Cause: the names of new units begin with the number of the process.
 // SPDX-License-Identifier: MIT
 #include <unistd.h>
 

@@ -1,4 +1,4 @@
-// Cause: the game looks whether its save file is public. The umask of the user decides.
+// Cause: the game checks whether its save file is public. The umask of the user decides.
 // SPDX-License-Identifier: MIT
 #include <fcntl.h>
 #include <sys/stat.h>

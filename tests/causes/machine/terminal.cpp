@@ -1,4 +1,4 @@
-// Cause: where somebody looks on, effects are drawn with numbers of the game's own generator.
+// Cause: if the output is a terminal, effects are drawn with numbers of the game's own generator.
 // SPDX-License-Identifier: MIT
 #include <unistd.h>
 

@@ -1,4 +1,4 @@
-// Cause: Chipmunk tells that bodies part in the order of addresses of their shapes, and the first one scores most.
+// Cause: Chipmunk reports separating bodies in the order of their shapes' addresses, and the first one scores most.
 // SPDX-License-Identifier: MIT
 #include <chipmunk/chipmunk.h>
 

@@ -1,4 +1,4 @@
-// Cause: three bytes of an order from the heap are read before anyone has written them.
+// Cause: three bytes of an order from the heap are read before they are written.
 // SPDX-License-Identifier: MIT
 #include <cstdlib>
 

@@ -1,4 +1,4 @@
-// Cause: a local variable is used on a way on which nothing has set it.
+// Cause: a local variable is used on a path that has not set it.
 // SPDX-License-Identifier: MIT
 #include "tests/causes/game.h"
 

@@ -1,4 +1,4 @@
-// The pulley joint against closed forms: Atwood machines, equilibrium, swings, levers, and what scenes refuse.
+// The pulley joint against closed forms: Atwood machines, equilibrium, swings, levers, and refused scenes.
 // SPDX-License-Identifier: MIT
 //
 // The rope pulls A with T and B with r T. From l_a + r l_b = const, the downward acceleration of A is

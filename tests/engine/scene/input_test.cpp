@@ -1,4 +1,4 @@
-// Inputs: their canonical bytes, and what is refused.
+// Inputs: their canonical bytes, and refusals.
 // SPDX-License-Identifier: MIT
 #include "engine/scene/input.h"
 

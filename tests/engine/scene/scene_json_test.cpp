@@ -1,4 +1,4 @@
-// Scenes and inputs as JSON: exact round trips, and for each mistake the place, what was found and what is allowed.
+// Scenes and inputs as JSON: exact round trips, and errors with place, found value and allowed values.
 // SPDX-License-Identifier: MIT
 #include "engine/scene/scene_json.h"
 

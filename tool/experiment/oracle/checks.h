@@ -75,7 +75,7 @@ struct CheckSelection {
 /// check with numbers draws some numbers for each world. Errors: usage.
 Result<CheckSelection> parse_checks(const std::vector<std::string>& words);
 
-/// What a check found in a world.
+/// The finding of a check in a world.
 struct Finding {
   Variant variant;
   std::uint64_t tick = 0;   // the first wrong tick
