@@ -9,11 +9,12 @@
 namespace ticktrue::engine::TICKTRUE_PRECISION {
 namespace {
 
-// With more unchanged bodies than this share, the narrow phase looks for contacts that stay what they were.
+// If more than one in so many moving bodies has an unchanged pose, the narrow phase looks for contacts that it can
+// keep.
 constexpr std::size_t bodies_per_unchanged = 4;
 
-/// Copies those of the pairs whose boxes overlap, where no shape has a margin for CCD; returns how many. Without
-/// branches: which do is anybody's guess.
+/// Copies the pairs whose boxes overlap; returns their number. No shape has a CCD margin. The loop has no branch, since
+/// the outcome is hard to predict.
 std::size_t copy_overlapping(std::span<const Pair> pairs, const Box* boxes, Pair* out) {
   std::size_t count = 0;
   for (const Pair pair : pairs) {
@@ -67,7 +68,7 @@ Real CellSide::take() {
   return side_;
 }
 
-/// Lists the pairs of this tick by themselves. False: the scene is not for it.
+/// Lists the pairs of this tick alone, by cells. False: the scene does not suit cells.
 bool AabbTree::list_present_by_cells(const Model& model, const State& state, TickLists& tick,
                                      const MotionBounds& bounds) {
   Real side = cell_side_.take();

@@ -1,11 +1,11 @@
 // The broad phase that follows bodies from tick to tick.
 // SPDX-License-Identifier: MIT
 //
-// A list of pairs of fat AABBs holds every pair that may touch (pair_list.h). The pairs of a tick are those of the list
-// whose tight boxes overlap: those of any other broad phase, and a few more, since boxes of slow bodies have a margin.
-// Where more fat AABBs overlap than a tick may have pairs, only the pairs of tight boxes are listed, and nothing is
-// cached. Where lists hold for a few ticks only, such as in a gas, pairs are listed by cells (neighbour_cells.h) for a
-// while.
+// A list of pairs of fat AABBs holds every pair that may touch (pair_list.h). The pairs of a tick are the listed pairs
+// whose tight boxes overlap. They are the pairs of any other broad phase and a few more, since boxes of slow bodies
+// have a margin. If more fat AABBs overlap than a tick may have pairs, only the pairs of tight boxes are listed, and
+// nothing is cached. If lists stay valid for a few ticks only, as in a gas, pairs are listed by cells
+// (neighbour_cells.h) for some ticks.
 #pragma once
 
 #include "engine/broad_phase/pair_list.h"
@@ -13,7 +13,7 @@
 
 namespace ticktrue::engine::TICKTRUE_PRECISION {
 
-/// The pairs of the list whose tight boxes overlap. Key: the revisions of the list and of the boxes.
+/// The listed pairs whose tight boxes overlap. Key: the revisions of the list and of the boxes.
 class PresentPairs final : public TickCache {
  public:
   PresentPairs() : TickCache(CacheKind::present_pairs) {}
@@ -31,11 +31,12 @@ class PresentPairs final : public TickCache {
   std::vector<Pair> pairs_;
 };
 
-/// The side of the cells that pairs are listed by. Any side gives the same pairs: it stays valid for a few ticks.
+/// The side of the cells by which pairs are listed. Any side gives the same pairs, so a side stays valid for a few
+/// ticks.
 class CellSide final : public TickCache {
  public:
   CellSide() : TickCache(CacheKind::cell_side) {}
-  /// The side, m; 0: it is to be found anew.
+  /// The side, m; 0: it must be found again.
   Real take();
   void rebuild(Real side) {
     side_ = side;

@@ -14,7 +14,7 @@
 
 namespace ticktrue::engine::TICKTRUE_PRECISION {
 
-/// Boxes over runs of sorted proxies, and boxes over runs of those, up to one. Level 0 is the proxies themselves.
+/// Boxes over runs of sorted proxies, boxes over runs of these boxes, and so on up to one. Level 0 is the proxies.
 struct BoxTree {
   std::vector<Box> boxes;                  // [level_start[level] + node]
   std::vector<std::uint32_t> proxies;      // [node of level 0]
@@ -25,14 +25,14 @@ struct BoxTree {
 inline constexpr Real far_away = sizeof(Real) == 4 ? Real(0x1p127) : Real(0x1p1023);
 inline constexpr Box empty_box{{far_away, far_away}, {-far_away, -far_away}};
 
-/// Builds a tree over the proxies of `entries`, whose keys it overwrites, in whose order it leaves them. `boxes`:
+/// Builds a tree over the proxies of `entries`, sorts `entries` along the curve and overwrites their keys. `boxes`:
 /// [proxy]. `buffer` is overwritten.
 void build_tree(std::span<const Box> boxes, std::vector<SortEntry>& entries, std::vector<SortEntry>& buffer,
                 BoxTree& tree);
 
 inline constexpr std::uint32_t fan_out = 4;  // children of a node
-// The largest stack of a traversal: each task leaves at most fan_out^2 tasks of the level below, and 4^16 leaves are
-// more than there can be.
+// The largest stack of a traversal. Each task leaves at most fan_out^2 tasks of the level below, and no tree has 4^16
+// leaves.
 inline constexpr std::size_t open_max = 16 * fan_out * fan_out;
 
 /// Two nodes, of the same level of one tree or of the levels of two, whose leaves are to be compared.
@@ -58,8 +58,8 @@ inline std::uint32_t top_level(const BoxTree& tree) {
   return static_cast<std::uint32_t>(tree.level_start.size()) - 2;
 }
 
-/// Calls `use` once with each two leaves with overlapping boxes below two nodes of one level, or below one node, until
-/// it returns false; likewise below. Requires: a level above the leaves.
+/// Calls `use` once with each two leaves whose boxes overlap, until `use` returns false. The leaves are below two nodes
+/// of one level, or below one node. Requires: a level above the leaves.
 template <typename Use>
 void for_each_overlap_below(const BoxTree& tree, std::uint32_t node_level, std::uint32_t node_a, std::uint32_t node_b,
                             Use use) {
@@ -89,8 +89,8 @@ void for_each_overlap_below(const BoxTree& tree, std::uint32_t node_level, std::
   }
 }
 
-/// Calls `use` once with each leaf below a node of tree A and each leaf of tree B whose boxes overlap. Requires: a leaf
-/// in B.
+/// Calls `use` once with each leaf below a node of tree A and each leaf of tree B whose boxes overlap, until `use`
+/// returns false. Requires: a leaf in B.
 template <typename Use>
 void for_each_overlap_between(const BoxTree& tree_a, std::uint32_t level, std::uint32_t node, const BoxTree& tree_b,
                               Use use) {
@@ -116,7 +116,7 @@ void for_each_overlap_between(const BoxTree& tree_a, std::uint32_t level, std::u
   }
 }
 
-/// Calls `use` once with each leaf of a tree whose box overlaps `box`.
+/// Calls `use` once with each leaf of a tree whose box overlaps `box`, until `use` returns false.
 template <typename Use>
 void for_each_overlap_of(const BoxTree& tree, const Box& box, Use use) {
   if (tree.proxies.empty()) return;

@@ -105,7 +105,8 @@ void brute_force(const Model& model, State& state, TickLists& tick, BroadPhaseWo
 
 namespace {
 
-/// Counts the pairs of boxes and lists none of them. Where proxies are too few for too many pairs, it does not look.
+/// Counts the overlapping pairs of boxes without listing them. Does nothing if the proxies have too few pairs to be too
+/// many.
 bool boxes_are_too_many(TickLists& tick, const BroadPhaseWork& work) {
   const std::span<const Proxy> proxies = tick.proxies;
   const std::vector<Box>& boxes = work.boxes;
@@ -140,7 +141,8 @@ void bounding_circle(const Model& model, State& state, TickLists& tick, BroadPha
       if (length_squared(circles[j].center - circles[i].center) <= near * near && may_touch(proxies[i], proxies[j]))
         work.pair_rows.push_back({i, j});
     }
-    // More circles meet than boxes may: those of the boxes are no more than allowed, and hold all that touch.
+    // More circles than boxes may overlap. The pairs of boxes are within the limit, and they include all touching
+    // pairs.
     if (work.pair_rows.size() > tick.pair_count_max) return brute_force(model, state, tick, work, dt);
   }
   tick.pairs = work.pair_rows;

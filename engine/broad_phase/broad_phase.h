@@ -35,8 +35,8 @@ inline bool are_pair(const Proxy& a, const Proxy& b, const Box& box_a, const Box
   return overlaps(inner_box(box_a, a.ccd_margin), inner_box(box_b, b.ccd_margin));
 }
 
-/// Whether so many pairs are more than a tick may have; then also gives up: notes it and lists none. What counts are
-/// pairs (are_pair) whose boxes overlap, so that every broad phase gives up in the same tick.
+/// Whether `pair_count` is more than a tick may have. If so, also sets tick.has_too_many_pairs and lists no pair. Only
+/// pairs (are_pair) with overlapping boxes count, so that every broad phase gives up in the same tick.
 bool are_too_many(TickLists& tick, std::size_t pair_count);
 
 /// Sorts work.unsorted_pairs (each pair once, any order) into `pairs`.

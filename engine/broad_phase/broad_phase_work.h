@@ -1,4 +1,4 @@
-// What broad phases work in.
+// The workspaces of broad phases.
 // SPDX-License-Identifier: MIT
 #pragma once
 
@@ -13,20 +13,20 @@
 
 namespace ticktrue::engine::TICKTRUE_PRECISION {
 
-/// Where lower corners are, m.
+/// The range of lower corners, m.
 struct Spread {
   Vec2 lowest{Real(1e38), Real(1e38)};
   Vec2 highest{Real(-1e38), Real(-1e38)};
 };
 
-/// What some boxes are like together.
+/// Common bounds of boxes.
 struct BoxOutline {
-  Spread spread;      // of those that fit into cells
-  Real farthest = 0;  // m, any looks ahead
+  Spread spread;      // of boxes that fit into cells
+  Real farthest = 0;  // m, the largest CCD margin
   bool any_ccd_target = false;
 };
 
-/// Where a range of pairs is sorted.
+/// The workspace in which a range of pairs is sorted.
 struct PairSorter {
   std::vector<Pair> pairs;
   std::vector<Pair> by_second;
@@ -39,7 +39,7 @@ void list_fields(PairSorter& of, const Visit& visit) {
   visit(pairs, by_second, start);
 }
 
-/// Where a box in the order of cells comes from.
+/// The origin of a box in the order of cells.
 struct SweptPlace {
   std::uint32_t proxy;
   std::uint32_t cell;
@@ -60,12 +60,12 @@ struct CellEntry {
   std::uint32_t proxy;
 };
 
-/// What a broad phase works in during a tick.
+/// The workspace of a broad phase in a tick.
 struct BroadPhaseWork {
   std::vector<Proxy> proxy_rows;
   std::vector<Box> boxes;       // [proxy] m, around the shapes with their margins; not filled by aabb_tree
   std::vector<Circle> circles;  // [proxy], bounding_circle
-  std::vector<Pair> pair_rows;  // of this tick, where they are not cached
+  std::vector<Pair> pair_rows;  // of this tick, if pairs are not cached
   std::vector<Pair> unsorted_pairs;
   std::vector<std::vector<Pair>> pair_parts;  // [chunk] aabb_tree, neighbour_cells
   std::vector<PairSorter> pair_sorters;       // [part]
@@ -76,7 +76,7 @@ struct BroadPhaseWork {
   std::vector<std::uint32_t> leaving;            // aabb_tree: proxies that are not inside their fat boxes
   std::vector<Pair> merged;                      // aabb_tree: the pairs that replace those of the list
   std::vector<Box> swept_boxes;                  // sweep_and_prune: in sweep order; neighbour_cells: by cell
-  std::vector<SweptPlace> swept_places;          // neighbour_cells: whose boxes those are
+  std::vector<SweptPlace> swept_places;          // neighbour_cells: origins of swept_boxes
   std::vector<CellRange> cell_ranges;            // uniform_grid, [proxy]
   std::vector<CellEntry> cell_entries;           // uniform_grid, by bucket, dynamic ones first
   std::vector<std::uint32_t> cell_starts;        // uniform_grid, [bucket]; neighbour_cells, [cell]

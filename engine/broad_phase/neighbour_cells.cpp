@@ -19,11 +19,11 @@
 namespace ticktrue::engine::TICKTRUE_PRECISION {
 namespace {
 
-constexpr Real cell_margin_share = Real(1.02);     // by far more than the rounding of a cell index
-constexpr Real cells_in_line_max = Real(1 << 15);  // more cells in a line, and boxes are unsuited
+constexpr Real cell_margin_share = Real(1.02);     // far more than the rounding of a cell index
+constexpr Real cells_in_line_max = Real(1 << 15);  // with more cells in a line, boxes are unsuited
 constexpr Real cells_per_box = 2;                  // the largest number of cells per box
-constexpr Real cell_ratio_max = 8;                 // of a cell to the boxes in it
-constexpr Real size_ratio_max = 4;                 // of the largest of those to the median
+constexpr Real cell_ratio_max = 8;                 // of a cell to its boxes
+constexpr Real size_ratio_max = 4;                 // of the largest of these boxes to the median
 constexpr std::size_t few = 12;                    // this many boxes may always be larger than a cell
 constexpr int side_fraction_bits_dropped = 20;
 
@@ -35,13 +35,12 @@ bool fits_into(const Box& box, Real side) {
   return box.upper.x - box.lower.x <= side && box.upper.y - box.lower.y <= side;
 }
 
-/// The largest number of boxes that may be larger than a cell: their comparison with each other takes two tests per
-/// box.
+/// The largest number of boxes that may be larger than a cell. Comparing these with each other takes two tests per box.
 std::size_t large_count_max(std::size_t count) {
   return few + static_cast<std::size_t>(2 * square_root(static_cast<Real>(count)));
 }
 
-/// The side that no box but the large ones exceeds, m; 0 if sides differ too much. Sides are counted in bins of an
+/// The largest side of the boxes that are not large, m; 0 if sides differ too much. Sides are counted in bins of an
 /// eighth of a power of two.
 Real common_side(const std::vector<Box>& boxes, std::vector<std::uint32_t>& counts) {
   counts.assign(1u << 11, 0);
@@ -59,7 +58,7 @@ Real common_side(const std::vector<Box>& boxes, std::vector<std::uint32_t>& coun
   return most <= size_ratio_max * side_above(boxes.size() / 2) && most > Real(1e-30) && most < Real(1e30) ? most : 0;
 }
 
-constexpr std::uint32_t looked_at_least = 3;  // boxes of the next row tested without a branch
+constexpr std::uint32_t looked_at_least = 3;  // boxes of the next row that are tested without a branch
 constexpr std::uint32_t in_no_cell = 0xffffffffu;
 
 /// Cells in rows, with an empty cell before and after each row, and an empty row at the end.
@@ -82,7 +81,7 @@ Spread of_both(const Spread& a, const Spread& b) {
 
 constexpr std::size_t boxes_per_chunk_least = 256;
 
-/// Fills work.inner_boxes, and finds what looks ahead and where boxes of at most this side are.
+/// Fills work.inner_boxes; finds the CCD margins and the range of the boxes of at most this side.
 BoxOutline outline_of(const Parallel& parallel, BroadPhaseWork& work, std::span<const Proxy> proxies,
                       const std::vector<Box>& boxes, Real side) {
   const std::size_t count = boxes.size();
@@ -133,7 +132,7 @@ Spread without_outliers(const std::vector<Box>& boxes, Real side, Spread spread)
   return spread;
 }
 
-/// Cells for so many boxes of at most this side with this extent; without rows if boxes are unsuited.
+/// Cells of this side for `count` boxes within `spread`; without rows if boxes are unsuited.
 Cells cells_in(const Spread& spread, Real side, std::size_t count) {
   const Vec2 extent = spread.highest - spread.lowest;
   const Real area_per_cell = extent.x * extent.y / (cells_per_box * static_cast<Real>(count));
@@ -145,8 +144,8 @@ Cells cells_in(const Spread& spread, Real side, std::size_t count) {
           static_cast<std::uint32_t>(extent.y * inv_size) + 2};
 }
 
-/// Cells for the boxes of at most this side, or for all but a few outliers, which are then removed from `spread`.
-/// Without rows if boxes are unsuited.
+/// Cells for the boxes of at most this side, or for all but a few outliers, which `spread` then excludes. Without rows
+/// if boxes are unsuited.
 Cells cells_for(const std::vector<Box>& boxes, Real side, Spread& spread) {
   const Cells cells = cells_in(spread, side, boxes.size());
   if (cells.rows > 0) return cells;
@@ -154,7 +153,7 @@ Cells cells_for(const std::vector<Box>& boxes, Real side, Spread& spread) {
   return cells_in(spread, side, boxes.size());
 }
 
-/// The cell of each box that is of at most this side and within `spread`: work.counts. Lists the others in
+/// Writes to work.counts the cell of each box of at most this side within `spread`. Lists the other boxes in
 /// work.large.
 void find_cells(const Parallel& parallel, BroadPhaseWork& work, const std::vector<Box>& boxes, Real side,
                 const Spread& spread, const Cells& cells) {
@@ -175,7 +174,7 @@ void find_cells(const Parallel& parallel, BroadPhaseWork& work, const std::vecto
     if (cell_of[i] == in_no_cell) work.large.push_back(i);
 }
 
-/// Sorts the boxes by cell, but those in work.large. Requires: find_cells.
+/// Sorts the boxes that are not in work.large by cell. Requires: find_cells.
 void fill_cells(BroadPhaseWork& work, const std::vector<Box>& boxes, const Cells& cells) {
   std::vector<std::uint32_t>& start = work.cell_starts;
   const std::vector<std::uint32_t>& cell_of = work.counts;
@@ -185,7 +184,7 @@ void fill_cells(BroadPhaseWork& work, const std::vector<Box>& boxes, const Cells
   for (std::size_t i = 1; i < start.size(); ++i) start[i] += start[i - 1];
   work.swept_boxes.resize(boxes.size() + looked_at_least);
   work.swept_places.resize(boxes.size());
-  // Each start moves to the end of its cell, the start of the next.
+  // Each start moves to the end of its cell, which is the start of the next cell.
   for (std::uint32_t i = 0; i < boxes.size(); ++i) {
     if (cell_of[i] == in_no_cell) continue;
     const std::uint32_t place = start[cell_of[i]]++;
@@ -193,7 +192,7 @@ void fill_cells(BroadPhaseWork& work, const std::vector<Box>& boxes, const Cells
     work.swept_places[place] = {i, cell_of[i]};
   }
   for (std::size_t i = 0; i < looked_at_least; ++i)
-    work.swept_boxes[boxes.size() - work.large.size() + i] = boxes[0];  // read, and never counted
+    work.swept_boxes[boxes.size() - work.large.size() + i] = boxes[0];  // read, but never counted
 }
 
 /// A box that is compared with many others.
@@ -212,8 +211,8 @@ struct Query {
 };
 static_assert(sizeof(Box) == 4 * sizeof(Real));
 
-/// Writes to `out` the pairs of a box with those of begin..end-1 that overlap it; returns their end. Without branches
-/// for the first `least`, since number and outcome are hard to predict.
+/// Writes to `out` the pairs of a box with the overlapping boxes of begin..end-1; returns their end. The first `least`
+/// tests have no branches, since number and outcome are hard to predict.
 template <std::uint32_t least>
 Pair* meet(const Box* boxes, const Query& query, std::uint32_t i, std::uint32_t begin, std::uint32_t end, Pair* out) {
   const auto test = [&](std::uint32_t j, bool counts) {
@@ -255,7 +254,7 @@ struct PairsOfChunk {
 bool meet_neighbours(const Cells& cells, std::size_t begin, std::size_t end, PairsOfChunk& out) {
   const BroadPhaseWork& work = out.work;
   const Box* boxes = work.swept_boxes.data();
-  const std::uint32_t* end_of = work.cell_starts.data();  // [cell]: as it is now
+  const std::uint32_t* end_of = work.cell_starts.data();  // [cell] its end: fill_cells has moved it
   for (std::size_t place = begin; place < end; ++place) {
     const auto i = static_cast<std::uint32_t>(place);
     const std::uint32_t cell = work.swept_places[i].cell;
@@ -273,17 +272,17 @@ bool meet_neighbours(const Cells& cells, std::size_t begin, std::size_t end, Pai
   return true;
 }
 
-/// The index of a row or column for a coordinate, of `count`; the last for a NaN.
+/// The index of a row or column for a coordinate, below `count`; the last for a NaN.
 std::uint32_t clamped(Real place, std::uint32_t count) {
   return static_cast<std::uint32_t>(static_cast<std::int32_t>(larger(0, smaller(place, static_cast<Real>(count - 1)))));
 }
 
-/// Calls use(place) for the entries of a table of cells whose boxes may overlap a box, row by row, until it returns
-/// false. `end_of`: [cell] the end of its entries.
+/// Calls use(place) for the entries whose boxes may overlap `box`, row by row, until `use` returns false. `end_of`:
+/// [cell] the end of the entries of the cell.
 template <typename Reserve, typename Use>
 bool for_cells_of(const Cells& cells, const std::vector<std::uint32_t>& end_of, const Box& box, Reserve reserve,
                   Use use) {
-  // A box that overlaps it begins in one of its cells, or one before.
+  // A box that overlaps `box` begins in a cell of `box`, or one cell before.
   const Vec2 first = cells.inv_size * (box.lower - cells.lowest);
   const Vec2 last = cells.inv_size * (box.upper - cells.lowest);
   const std::uint32_t first_column = clamped(first.x - 1, cells.columns - 2) + 1;
@@ -362,7 +361,7 @@ bool meet_large(const Cells& cells, const std::vector<Box>& boxes, const FastPro
                                            : meet_fast(cells, fast, index, out);
 }
 
-/// Sorts the guarded shapes by cell, but those in work.large. Requires: fill_cells.
+/// Sorts the CCD targets that are not in work.large by cell. Requires: fill_cells.
 void fill_ccd_target_cells(BroadPhaseWork& work, std::span<const Proxy> proxies) {
   std::vector<std::uint32_t>& start = work.ccd_target_starts;
   const std::vector<std::uint32_t>& cell_of = work.counts;
@@ -397,7 +396,7 @@ CellListing list_by_cells(const TickLists& tick, BroadPhaseWork& work, std::span
                          outline.any_ccd_target};  // the rounding of ccd_margin_of
   const bool some_are_fast = fast.farthest > 0 && fast.any_ccd_target;
   if (some_are_fast) fill_ccd_target_cells(work, proxies);
-  // Boxes in cells, then the large ones.
+  // Boxes in cells come first, then large boxes.
   const std::size_t end_in_cells = boxes.size() - work.large.size();
   const bool fits =
       list_in_chunks(tick, work, boxes.size(), tick.parallel.chunk_size(boxes.size(), 128),

@@ -8,12 +8,12 @@
 namespace ticktrue::engine::TICKTRUE_PRECISION {
 namespace {
 
-constexpr Real ticks_ahead = 4;              // a fat AABB has a margin for so many ticks at the present velocity
-constexpr Real share_of_radius = Real(0.1);  // and for so much besides.
-// With more moved proxies than this share, or this number, everything is built anew.
+constexpr Real ticks_ahead = 4;              // the margin of a fat AABB lasts so many ticks at the present velocity
+constexpr Real share_of_radius = Real(0.1);  // and a share of the radius is added
+// If more proxies have moved than this share, or than this number, the list is rebuilt.
 constexpr std::size_t moving_per_moved_proxy = 8;
 constexpr std::size_t moved_proxy_count_max = 1024;
-constexpr std::uint32_t ticks_held_least = 6;  // after the one in which all was built; fewer do not pay
+constexpr std::uint32_t ticks_held_least = 6;  // after the tick of the rebuild; fewer do not pay
 constexpr std::uint32_t suspended_tick_count = 60;
 constexpr std::uint8_t moved_in_this_tick = 2;
 
@@ -34,7 +34,7 @@ Box fat_box(const Model& model, const State& state, const ProxyBoxes& boxes, std
   return box;
 }
 
-/// The level of a tree whose nodes are shared out: of at most so many nodes, since each is compared with each.
+/// The level of a tree whose nodes are shared out. The level has few nodes, since each is compared with each.
 std::uint32_t shared_level(const BoxTree& tree) {
   constexpr std::uint32_t node_count_max = 128;
   std::uint32_t level = 0;
@@ -62,13 +62,13 @@ void PairList::pass_suspended_tick() {
   --suspended_ticks_;
 }
 
-/// Nodes of a level of the moving tree. `is_tight`: the present boxes must overlap, too.
+/// Nodes of a level of the moving tree. `is_tight`: their tight boxes must overlap, too.
 struct PairList::Nodes {
   std::uint32_t level;
   bool is_tight;
 };
 
-/// Lists the pairs of a chunk of nodes: each with itself, with those after it, and with the static tree.
+/// Lists the pairs of a chunk of nodes: of each node with itself, with the nodes after it, and with the static tree.
 void PairList::list_pairs_of_nodes(const ProxyBoxes& boxes, const Nodes& nodes, const Chunk& chunk,
                                    PairListing& listing, std::vector<Pair>& pairs) const {
   const std::uint32_t level = nodes.level;
@@ -99,8 +99,8 @@ void PairList::list_pairs_of_nodes(const ProxyBoxes& boxes, const Nodes& nodes, 
   }
 }
 
-/// All pairs of fat AABBs that overlap, in any order; `is_tight`: of these, those whose present boxes do. False: a tick
-/// may not have so many, and not all are listed.
+/// Lists all pairs of fat AABBs that overlap, in any order. `is_tight`: only the pairs whose tight boxes overlap, too.
+/// False: a tick may not have so many pairs, and not all are listed.
 bool PairList::list_pairs(const TickLists& tick, BroadPhaseWork& work, const ProxyBoxes& boxes, bool is_tight) const {
   const BoxTree& tree = moving_tree_;
   work.unsorted_pairs.clear();

@@ -1,11 +1,12 @@
 // The list of pairs of fat AABBs that overlap, followed from tick to tick.
 // SPDX-License-Identifier: MIT
-// Source: Verlet, "Computer Experiments on Classical Fluids I", 1967 (lists of pairs that may come near, with a margin,
-// until something has moved as far).
+// Source: Verlet, "Computer Experiments on Classical Fluids I", 1967 (lists of pairs that may come near, with a
+// margin). A list is valid until something has moved by the margin.
 //
-// Each proxy gets a fat AABB that is larger than it needs. While all shapes stay inside, the list of overlapping fat
-// AABBs holds every pair that may touch. A proxy that leaves gets a new fat AABB and its pairs are found anew. It is
-// then a moved proxy, whose AABB in the tree no longer counts. With many moved proxies, everything is built anew.
+// Each proxy gets a fat AABB, larger than its tight box. While all shapes stay inside their fat AABBs, the list of
+// overlapping fat AABBs holds every pair that may touch. A proxy that leaves its fat AABB gets a new one, and its pairs
+// are searched again. It is then a moved proxy, whose AABB in the tree no longer counts. If many proxies have moved,
+// everything is rebuilt.
 #pragma once
 
 #include <span>
@@ -30,35 +31,35 @@ class PairList final : public TickCache {
   bool valid_for(std::uint32_t body_generation) const { return has_pairs_ && body_generation_ == body_generation; }
   /// The fat AABBs, [proxy].
   std::span<const Box> fat_boxes() const { return fat_boxes_; }
-  /// Whether more proxies have moved, with so many that leave now, than it pays to follow.
+  /// Whether too many proxies have moved to follow them. `leaving_count`: proxies that leave in this tick.
   bool are_many_moved(std::size_t leaving_count) const;
-  /// Whether the list has held for too few ticks to be worth its making.
+  /// Whether the list has been valid for too few ticks to be worth building.
   bool is_short_lived() const;
-  /// For the next ticks no list is made (high churn); then it is tried again.
+  /// High churn: no list is built for the next ticks.
   void suspend();
   void resume() { suspended_ticks_ = 0; }
   bool is_suspended() const { return suspended_ticks_ > 0; }
   /// Requires: is_suspended().
   void pass_suspended_tick();
 
-  /// Puts the pairs of the proxies in work.leaving in the place of those they had. False: the list has too many pairs,
-  /// and all is to be built anew.
+  /// Replaces the pairs of the proxies in work.leaving. False: the list has too many pairs, and everything must be
+  /// rebuilt.
   bool follow(const Model& model, const State& state, const TickLists& tick, BroadPhaseWork& work,
               const ProxyBoxes& boxes);
   enum class Built { all, tight, too_many };
-  /// Builds all anew. `tight`: more fat AABBs overlap than a tick may have pairs, and the list holds for this tick
-  /// alone.
+  /// Rebuilds everything. `tight`: more fat AABBs overlap than a tick may have pairs, and the list is valid for this
+  /// tick alone.
   Built rebuild(const Model& model, const State& state, const TickLists& tick, BroadPhaseWork& work, ProxyBoxes& boxes,
                 const MotionBounds& bounds);
   void count(bool was_hit) { count_use(was_hit); }
   void invalidate() override { has_pairs_ = false; }
 
-  /// Of fat AABBs that overlap, by (first, second).
+  /// The pairs of fat AABBs that overlap, by (first, second).
   const std::vector<Pair>& pairs() const { return pairs_; }
   std::size_t moved_proxy_count() const { return moved_proxies_.size(); }
-  /// Ticks since all was built.
+  /// Ticks since the last rebuild.
   std::uint32_t ticks_held() const { return ticks_held_; }
-  /// Another number for each list.
+  /// A different number for each list.
   std::uint64_t revision() const { return revision_; }
 
  private:
@@ -71,8 +72,8 @@ class PairList final : public TickCache {
   bool has_pairs_ = false;
   std::uint32_t body_generation_ = 0;
   std::uint64_t revision_ = 0;
-  std::uint32_t ticks_held_ = 0;       // since all was built
-  std::uint32_t suspended_ticks_ = 0;  // for so many no list is made
+  std::uint32_t ticks_held_ = 0;       // since the last rebuild
+  std::uint32_t suspended_ticks_ = 0;  // ticks to come without a list
   std::vector<Box> fat_boxes_;         // [proxy]
   std::vector<Pair> pairs_;
   std::vector<std::uint8_t> is_moved_proxy_;  // [proxy] has left the fat AABB that is in the tree; 2: in this tick

@@ -10,8 +10,8 @@
 
 namespace ticktrue::engine::TICKTRUE_PRECISION {
 
-/// The limit of pairs. Chunks count their pairs together, a block at a time. When the sum is too large each chunk
-/// stops, so that the order of chunks does not show.
+/// The limit of pairs. All chunks add to one count, a block at a time. If the sum is too large, every chunk stops, so
+/// that the order of chunks has no effect.
 struct PairListing {
   std::size_t count_max;
   std::atomic<std::size_t> count{0};  // in whole blocks
@@ -23,8 +23,9 @@ struct PairListing {
   }
 };
 
-/// Fills work.unsorted_pairs: list(chunk, listing, pairs) appends those of a chunk of `count` elements and asks the
-/// listing after each whether to go on. False: there are more than `count_max`, and not all are listed.
+/// Fills work.unsorted_pairs. list(chunk, listing, pairs) appends the pairs of a chunk of `count` elements and asks the
+/// listing after each element whether to continue. False: there are more than `count_max` pairs, and not all are
+/// listed.
 template <typename List>
 bool list_in_chunks(const TickLists& tick, BroadPhaseWork& work, std::size_t count, std::size_t chunk_size,
                     const List& list) {

@@ -11,10 +11,10 @@
 namespace ticktrue::engine::TICKTRUE_PRECISION {
 namespace {
 
-// The margin of a body's boxes, of its size.
+// The margin of a body's boxes, relative to its size.
 constexpr Real box_margin_share = Real(1) / 512;
-constexpr Real ticks_of_margin = 4;  // at the present velocity; for fewer a margin does not pay
-// A body that is slower than this share of its size a tick is not fast (motion_bounds.h).
+constexpr Real ticks_of_margin = 4;  // at the present velocity; a margin for fewer ticks does not pay
+// A body that moves by less than this share of its size per tick is not fast (motion_bounds.h).
 constexpr Real certainly_slow_share = Real(0.2);
 
 // Bits of ProxyBoxes::box_flags_.
@@ -35,14 +35,14 @@ bool same_pose(const BodyRow& a, const BodyRow& b) {
          std::memcmp(&a.rotation, &b.rotation, sizeof a.rotation) == 0;
 }
 
-/// No point of a body is faster, m/s.
+/// An upper bound of the speed of all points of a body, m/s.
 Real speed_bound(const BodyRow& body, Real extent) {
   return (magnitude(body.velocity.x) + magnitude(body.velocity.y)) + magnitude(body.angular_velocity) * extent;
 }
 
-/// The margin of the boxes of a body that is not swept, m; 0 for a body that would soon leave it.
+/// The margin of the boxes of a body that is not swept, m; 0 for a body that would soon leave this margin.
 Real margin_for(const BodyModel& constants, const BodyRow& body, const MotionBounds& bounds) {
-  // Less what rounding may make of a box.
+  // The second term is the rounding error of a box.
   const Real far = larger(magnitude(body.position.x), magnitude(body.position.y)) + constants.extent;
   const Real margin = box_margin_share * constants.size - 16 * epsilon * far;
   return ticks_of_margin * bounds.dt * speed_bound(body, constants.extent) < margin ? margin : Real(0);
@@ -117,25 +117,25 @@ ProxyBoxes::BoxedBody ProxyBoxes::boxed_body(const BodyModel& constants, const B
   return {body.position, body.rotation, constants.extent, margin, speed};
 }
 
-/// The bodies first..end-1 of a tick, and what was found out about them.
+/// The bodies first..end-1 of a tick, and the results for them.
 struct ProxyBoxes::Followed {
   std::size_t first;
   std::size_t end;
   bool everything;
   bool adds_margin;
-  const Box* fat_boxes;    // null: nothing is listed
-  std::uint32_t* leaving;  // room for each of their proxies
+  const Box* fat_boxes;    // null: no proxy is listed
+  std::uint32_t* leaving;  // capacity for each proxy of these bodies
   std::size_t leaving_count = 0;
   bool any_made = false;
 };
 
-/// Boxes of the bodies of a part that have left their margin, or of all.
+/// Makes the boxes of the bodies of a part that have left their margin, or of all bodies of the part.
 void ProxyBoxes::rebuild(const Model& model, const State& state, const MotionBounds& bounds, Followed& part) {
-  const bool speculates = bounds.speculates;  // contacts follow from velocities and dt, too
+  const bool speculates = bounds.speculates;  // contacts then depend on velocities and dt, too
   const bool everything = part.everything;
   const bool adds_margin = part.adds_margin;
   const Real gravity_displacement = key_.gravity_displacement;
-  // By pointers of its own: what is written as bytes might otherwise change those of the vectors.
+  // Local pointers: to the compiler, a write through a byte pointer could change the pointers inside the vectors.
   const BodyRow* bodies = state.bodies.data();
   const BodyModel* constants = model.bodies.data();
   const ShapeModel* shapes = model.shapes.data();
@@ -169,7 +169,7 @@ void ProxyBoxes::rebuild(const Model& model, const State& state, const MotionBou
     box_flags[row] = static_cast<std::uint8_t>((ccd_margin > 0 ? has_ccd_margin : 0) | (swept > 0 ? is_swept : 0) |
                                                (margin > 0 ? has_margin : 0));
     for (std::uint32_t i = first_proxy[row]; i < proxy_end; ++i) {
-      if (proxies[i].ccd_margin != ccd_margin) proxies[i].ccd_margin = ccd_margin;  // most lines stay as they are
+      if (proxies[i].ccd_margin != ccd_margin) proxies[i].ccd_margin = ccd_margin;  // avoids most writes
       boxes[i] = box_around(model, body, shapes[proxies[i].shape], gravity_displacement, swept);
       if (margin > 0)
         boxes[i] = {{boxes[i].lower.x - margin, boxes[i].lower.y - margin},

@@ -14,12 +14,12 @@
 
 namespace ticktrue::engine::TICKTRUE_PRECISION {
 
-/// Which bodies there are. Key: their ids and sources in order. Structures that are made for one set of bodies have its
+/// The set of bodies. Key: their ids and sources in order. Structures that are made for one set of bodies have its
 /// generation in their keys.
 class BodySet final : public TickCache {
  public:
   BodySet() : TickCache(CacheKind::body_set) {}
-  /// Begins a new generation unless the bodies are those of the last call.
+  /// Begins a new generation unless the set of bodies is that of the last call.
   void follow(const Model& model, const State& state, const Parallel& parallel);
   void invalidate() override { is_valid_ = false; }
   std::uint32_t generation() const { return generation_; }
@@ -39,7 +39,7 @@ class BodySet final : public TickCache {
   std::vector<Key> keys_;  // [body]
 };
 
-/// What the boxes of all bodies are made for, beside the bodies' poses and velocities.
+/// The inputs of all boxes, beside the poses and velocities of the bodies.
 struct BoxKey {
   std::uint32_t body_generation = 0;
   Real dt = 0;                    // s
@@ -49,17 +49,17 @@ struct BoxKey {
   bool operator==(const BoxKey&) const = default;
 };
 
-/// Proxies and their tight boxes. The box of a slow body is enlarged by a 512th of its size, so that it stays valid for
-/// about four ticks. Key: BoxKey for all; for each body its row, or the motion that its enlarged boxes allow.
+/// Proxies and their tight boxes. The box of a slow body is enlarged by 1/512 of its size, so that it stays valid for
+/// about four ticks. Key: BoxKey for all boxes; for each body its row, or the motion that its enlarged boxes allow.
 class ProxyBoxes final : public TickCache {
  public:
   ProxyBoxes() : TickCache(CacheKind::boxes) {}
 
-  /// Makes the boxes anew that do not hold for the tick. `adds_margin`: to boxes of slow bodies. `fat_boxes`: [proxy];
-  /// the proxies that are not inside are listed in work.leaving. Empty: none is.
+  /// Remakes the boxes that are not valid for the tick. `adds_margin`: boxes of slow bodies are enlarged. `fat_boxes`:
+  /// [proxy]; work.leaving gets the proxies that are not inside. Empty: no proxy is listed.
   void follow(const Model& model, const State& state, const Parallel& parallel, BroadPhaseWork& work,
               const MotionBounds& bounds, const BoxKey& key, bool adds_margin, std::span<const Box> fat_boxes);
-  /// Boxes without margins, to be counted.
+  /// Boxes without margins, for the count of pairs.
   void make_tight(const Model& model, const State& state, const MotionBounds& bounds);
   void invalidate() override { key_.farthest = -1; }  // no tick has this
 
@@ -70,18 +70,18 @@ class ProxyBoxes final : public TickCache {
   std::span<const std::uint8_t> is_unchanged() const { return is_unchanged_; }
   bool any_ccd_margin() const { return any_ccd_margin_; }
   bool any_swept() const { return any_swept_; }
-  /// Another number after each tick that made a box anew.
+  /// A different number after each tick that made a box.
   std::uint64_t revision() const { return revision_; }
 
  private:
-  /// The pose that the boxes of a body were made for. They stay valid while its points have moved by less than `margin`
-  /// and it is slower than `speed`.
+  /// The pose for which the boxes of a body were made. They stay valid while all points have moved by less than
+  /// `margin` and the body is slower than `speed`.
   struct BoxedBody {
     Vec2 position;
     Rotation rotation;
     Real extent;  // m, BodyModel's
     Real margin;  // m
-    Real speed;   // m/s, of any of its points, as its velocities bound it
+    Real speed;   // m/s, limit of the speed bound of its points
   };
   struct Followed;
 
@@ -98,8 +98,8 @@ class ProxyBoxes final : public TickCache {
   std::vector<std::uint32_t> first_proxy_;  // [body]; one more at the end
   std::vector<Proxy> proxies_;
   std::vector<Box> boxes_;                  // [proxy] m, around the shapes with their margins
-  std::vector<BodyRow> bodies_;             // as of the tick before
-  std::vector<BoxedBody> boxed_;            // [body] of those whose boxes are enlarged
+  std::vector<BodyRow> bodies_;             // of the tick before
+  std::vector<BoxedBody> boxed_;            // [body] if its boxes are enlarged
   std::vector<std::uint8_t> box_flags_;     // [body] how its boxes were made (proxy_boxes.cpp)
   std::vector<std::uint8_t> is_unchanged_;  // [body] (BodyChanges)
 };

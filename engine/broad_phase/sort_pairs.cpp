@@ -47,7 +47,7 @@ void pick(ProxyRange firsts, std::span<const Pair> from, std::vector<Pair>& to) 
 constexpr std::size_t pair_sample_count = 512;
 constexpr std::uint32_t bin_count = 256;
 
-/// Ends of ranges of `first` that hold about as many pairs each, by a sample.
+/// Finds ends of ranges of `first` with about equally many pairs each, from a sample.
 void split(std::span<const Pair> pairs, std::uint32_t proxy_count, std::span<std::uint32_t> ends) {
   const std::uint32_t bin_size = proxy_count / bin_count + 1;
   std::array<std::uint32_t, bin_count> bins{};
@@ -76,7 +76,7 @@ void sort_pairs(const Parallel& parallel, BroadPhaseWork& work, std::size_t prox
     work.pair_sorters.resize(std::max<std::size_t>(part_count, 1));
   out.resize(pairs.size());
   if (part_count <= 1) return sort_range({0, key_end}, key_end, pairs, out.data(), work.pair_sorters[0]);
-  // Each part picks its pairs, and once all have, knows where they go.
+  // Each part picks its pairs. The places of the pairs are known once all parts have picked.
   std::array<std::uint32_t, part_count_max> ends{};
   split(pairs, key_end, {ends.data(), part_count});
   const auto range_of = [&](std::size_t part) { return ProxyRange{part == 0 ? 0 : ends[part - 1], ends[part]}; };

@@ -15,7 +15,7 @@ struct SortEntry {
   std::uint32_t proxy;
 };
 
-/// Up to this many are sorted by insertion: clearing the counters of a radix sort takes longer.
+/// Up to this number of entries insertion is faster, since a radix sort must clear its counters.
 inline constexpr std::size_t inserted_count_max = 32;
 
 inline void insert_entries(std::vector<SortEntry>& entries) {

@@ -1,4 +1,4 @@
-// Sweep and prune: boxes sorted by their lower x, each compared with those that begin before it ends.
+// Sweep and prune: boxes are sorted by their lower x, and each is compared with the boxes that begin before it ends.
 // SPDX-License-Identifier: MIT
 // Source: Baraff, "Dynamic Simulation of Non-Penetrating Rigid Bodies", 1992, section 2.3 (one axis of it).
 #include "engine/broad_phase/broad_phase.h"
@@ -27,7 +27,7 @@ void sweep_and_prune(const Model& model, State& state, TickLists& tick, BroadPha
   for (std::uint32_t i = 0; i < proxies.size(); ++i) entries.push_back({sort_key(work.boxes[i].lower.x), i});
   sort_entries(entries, work.sort_buffer, sizeof(Real) == 4 ? 32 : 64);
 
-  // The sweep reads boxes in sorted order, packed: the inner loop touches nothing else.
+  // The sweep reads packed boxes in sorted order, so the inner loop reads nothing else.
   std::vector<Box>& boxes = work.swept_boxes;
   boxes.clear();
   for (const SortEntry& e : entries) boxes.push_back(work.boxes[e.proxy]);

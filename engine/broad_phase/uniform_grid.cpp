@@ -1,4 +1,4 @@
-// Uniform grid: a box is in each square cell that it overlaps; boxes of a cell are compared with each other.
+// Uniform grid: a box is in each square cell that it overlaps; boxes that share a cell are compared.
 // SPDX-License-Identifier: MIT
 // Source: Ericson, "Real-Time Collision Detection", 2005, sections 7.1.1 to 7.1.3 (cell size, hashed cells); Teschner
 // et al., "Optimized Spatial Hashing for Collision Detection of Deformable Objects", 2003.
@@ -7,11 +7,11 @@
 namespace ticktrue::engine::TICKTRUE_PRECISION {
 namespace {
 
-constexpr std::int64_t cells_max = 16;  // of one proxy; what would overlap more is compared with everything
+constexpr std::int64_t cells_max = 16;  // of one proxy; a proxy in more cells is compared with every proxy
 constexpr Real coordinate_limit = Real(1 << 30);
 
-/// Side of a cell, m: twice the median of the boxes' larger sides, or more where many boxes are much larger than that.
-/// Sides are counted in bins of an eighth of a power of two: the exponent of the float and three bits of its fraction.
+/// Side of a cell, m: twice the median of the boxes' larger sides, or more if many boxes are much larger. Sides are
+/// counted in bins of an eighth of a power of two: the exponent of the float and three bits of its fraction.
 Real cell_size(const std::vector<Box>& boxes, std::vector<std::uint32_t>& counts) {
   constexpr int fraction_bits_dropped = 20;
   counts.assign(1u << 11, 0);
@@ -42,7 +42,7 @@ bool is_large(const CellRange& range) {
   return columns > cells_max || rows > cells_max || columns * rows > cells_max;
 }
 
-/// Neighbours in a row lie side by side; rows are spread.
+/// Cells of a row lie side by side in the table; rows are spread.
 std::uint32_t bucket_of(std::int32_t x, std::int32_t y, std::uint32_t mask) {
   return (static_cast<std::uint32_t>(x) + static_cast<std::uint32_t>(y) * 0x9e3779b1u) & mask;
 }
@@ -90,14 +90,14 @@ void add_pair(BroadPhaseWork& work, std::uint32_t a, std::uint32_t b) {
   work.unsorted_pairs.push_back(a < b ? Pair{a, b} : Pair{b, a});
 }
 
-/// Pairs that meet in a bucket. Two proxies that share several cells are a pair in the lowest of them alone. False: too
-/// many; so too below.
+/// Lists the pairs of a bucket. Two proxies that share several cells are a pair in the lowest shared cell alone. False:
+/// too many pairs, as in the functions below.
 bool find_pairs_in_bucket(TickLists& tick, BroadPhaseWork& work, std::uint32_t begin, std::uint32_t end) {
   const std::span<const Proxy> proxies = tick.proxies;
   for (std::uint32_t i = begin; i < end; ++i) {
     const CellEntry entry = work.cell_entries[i];
     const Proxy& a = proxies[entry.proxy];
-    if (a.is_static) return true;  // as is what follows
+    if (a.is_static) return true;  // and so are all later entries
     const CellRange& cells = work.cell_ranges[entry.proxy];
     for (std::uint32_t j = i + 1; j < end; ++j) {
       const CellEntry other = work.cell_entries[j];
@@ -123,7 +123,7 @@ bool find_pairs_of_large(TickLists& tick, BroadPhaseWork& work) {
     std::size_t next_large = 0;
     for (std::uint32_t b = 0; b < proxies.size(); ++b) {
       if (next_large < work.large.size() && work.large[next_large] == b) {
-        // Large ones meet each other once.
+        // Two large proxies meet once.
         if (next_large++ <= k) continue;
       }
       if (overlaps(work.boxes[a], work.boxes[b]) && are_pair(proxies[a], proxies[b], work.boxes[a], work.boxes[b]))
