@@ -1,4 +1,4 @@
-// Built-in scenes that are timed: those of Box2D 3's benchmarks that are not elsewhere, a gas and a loose crowd.
+// Built-in scenes for timing: the benchmarks of Box2D 3 that are not elsewhere, a gas and a crowd of free bodies.
 // SPDX-License-Identifier: MIT
 // Source: geometry of tumbler, smash, spinner and rain: the benchmarks of Box2D 3 (names, measures, materials).
 #include "base/random.h"
@@ -113,7 +113,7 @@ struct Bone {
   double upper;
   double radius;     // m
   double damping;    // 1/s
-  double pivot;      // height of the pin, m
+  double pivot;      // height of the revolute joint, m
   double angle_min;  // rad / pi
   double angle_max;
   double reference;  // rad / pi
@@ -135,7 +135,7 @@ constexpr Bone bones[bone_count] = {
     {"forearm_right", 9, 0.975, -0.125, 0.125, 0.03, 0.1, 1.1, -0.2, 0.3, 0.25, 0.1, false},
 };
 
-/// The parts of one figure do not touch each other, nor those of others of its group; feet touch the ground alone.
+/// The parts of one figure do not touch each other, nor other parts of their group; feet touch the ground alone.
 void add_figure(Scene& scene, Point feet, int group, double spring_hertz) {
   const std::size_t first = scene.bodies.size();
   for (const Bone& bone : bones) {
@@ -260,7 +260,7 @@ Scene build_resting(const SceneArguments& arguments) {
     scene.bodies.push_back(
         dynamic_body("box", scene.bodies.size(), {column * pitch, (i % 4 + 0.5) * 0.5}, box(0.25, 0.25)));
   }
-  // Only the ground and the discs bounce: boxes have no restitution, and the smaller one counts.
+  // Only the ground and the discs bounce: boxes have no restitution, and the smaller restitution of a pair counts.
   scene.settings.restitution_mix = MixRule::minimum;
   for (int i = 0; i < moving_count; ++i)
     scene.bodies.push_back(

@@ -59,7 +59,7 @@ Error usage(std::string_view text, const std::string& what, std::string hint = {
   return Error{ErrorCode::usage, std::string(text) + ": " + what, std::move(hint)};
 }
 
-/// One number of a parameter: range and wholeness checked. `value` "1/60" counts as a quotient.
+/// Reads one number of a parameter; checks its range and whether it is whole. `value` "1/60" is read as a quotient.
 Result<double> read_number(std::string_view text, std::string_view key, std::string_view value, double min, double max,
                            bool whole) {
   const std::size_t slash = value.find('/');
@@ -71,7 +71,7 @@ Result<double> read_number(std::string_view text, std::string_view key, std::str
   const std::string expected = (whole ? "a whole number " : "") + number_text(min) + ".." + number_text(max);
   if (!number)
     return usage(text, std::string(key) + ": not a number: found \"" + std::string(value) + "\", expected " + expected);
-  // The range comes first: only then does the conversion to an integer exist.
+  // The range is checked first: a number out of range has no conversion to an integer.
   if (!(*number >= min && *number <= max) ||
       (whole && static_cast<double>(static_cast<std::int64_t>(*number)) != *number))
     return usage(text, std::string(key) + ": out of range: found " + number_text(*number) + ", expected " + expected);

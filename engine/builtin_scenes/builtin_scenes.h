@@ -31,9 +31,9 @@ struct BuiltinScene {
   Scene (*build)(const SceneArguments& arguments);
 };
 
-/// The only list of them.
+/// The only list of built-in scenes.
 std::span<const BuiltinScene> builtin_scenes();
-/// The parameters every scene has besides its own.
+/// The parameters that every scene has besides its own.
 std::span<const std::string_view> scene_setting_names();
 
 /// `name` or `name?key=value&key=value`. Besides its own parameters each scene takes the names of Settings:

@@ -82,9 +82,9 @@ Scene build_joint_grid(const SceneArguments& arguments) {
       const std::size_t number = scene.bodies.size();
       const std::string name = (holds ? "peg_" : "disc_") + std::to_string(number);
       scene.bodies.push_back(body(name, holds ? BodyType::static_body : BodyType::dynamic_body, position, circle(0.4)));
-      scene.bodies.back().shapes[0].filter = {2, 0xfffffffd, 0};  // they touch nothing of their kind
+      scene.bodies.back().shapes[0].filter = {2, 0xfffffffd, 0};  // grid bodies do not touch each other
       if (row > 0) pin(scene, number - 1, {0, -0.5}, number, {0, 0.5});
-      if (column > 0 && !(holds && is_peg(column - 1)))  // two pegs need no pin
+      if (column > 0 && !(holds && is_peg(column - 1)))  // two pegs need no joint
         pin(scene, number - static_cast<std::size_t>(count), {0.5, 0}, number, {-0.5, 0});
     }
   return scene;

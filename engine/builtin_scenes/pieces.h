@@ -1,4 +1,4 @@
-// What the builders of built-in scenes share: what was asked for, and shapes and bodies in one line.
+// Shared parts of the builders of built-in scenes: arguments, and shapes and bodies in one line.
 // SPDX-License-Identifier: MIT
 #pragma once
 
@@ -12,7 +12,7 @@
 
 namespace ticktrue::engine {
 
-/// What was asked for: a value for each of the scene's own parameters, and the settings that were named.
+/// The requested arguments: a value for each of the scene's own parameters, and the settings that were named.
 struct SceneArguments {
   std::span<const SceneParameter> parameters;
   std::vector<double> values;  // [parameter]
@@ -20,7 +20,7 @@ struct SceneArguments {
   std::optional<double> dt;
   std::optional<int> substeps;
   bool auto_substeps = false;
-  std::optional<int> sleep;  // 0 or 1, as the two below
+  std::optional<int> sleep;  // 0 or 1, as the next two
   std::optional<int> locate_impacts;
   std::optional<int> continuous;
   std::optional<SolverKind> solver;
@@ -42,7 +42,7 @@ struct SceneArguments {
   std::uint64_t seed() const { return static_cast<std::uint64_t>(real("seed")); }
 };
 
-inline constexpr double seed_max = 9007199254740991;  // the largest run of whole numbers that doubles hold
+inline constexpr double seed_max = 9007199254740991;  // 2^53 - 1: doubles hold all whole numbers up to it
 
 inline Shape circle(double radius, Point center = {}) {
   Shape shape;

@@ -20,7 +20,7 @@ Scene build_circles(const SceneArguments& arguments) {
   const double jitter = arguments.real("jitter") * radius;
   const double pitch = 2.2 * radius;
   Random random(arguments.seed());
-  // The tub, too, is made of circles, a radius apart, so that only circles ever meet.
+  // The container, too, is made of circles a radius apart, so that only pairs of circles touch.
   const double left = -pitch * column_count / 2 - radius;
   const auto row_of_circles = [&](const char* name, Point first, Point step, int count) {
     Body row = static_body(name, first, circle(radius));
@@ -48,7 +48,7 @@ const std::array<SceneParameter, 2> mixed_pile_parameters{{
 }};
 Scene build_mixed_pile(const SceneArguments& arguments) {
   const int count = arguments.whole("bodies");
-  const double pitch = 1.5;  // no shape reaches further than 0.75 m from its middle
+  const double pitch = 1.5;  // no shape reaches farther than 0.75 m from its centre
   int column_count = 1;
   while (column_count * column_count < count) ++column_count;
   const double half_width = pitch * column_count / 2;
@@ -74,7 +74,7 @@ Scene build_mixed_pile(const SceneArguments& arguments) {
         break;
       }
       default: {
-        // Distinct angles on a circle: always convex.
+        // Distinct angles on a circle give a convex polygon.
         const int vertex_count = 3 + static_cast<int>(random.below(6));
         const double radius = random.real(0.3, 0.6);
         std::vector<Point> vertices;
@@ -97,7 +97,7 @@ const std::array<SceneParameter, 2> shapes_parameters{{
 }};
 Scene build_shapes(const SceneArguments& arguments) {
   const int count = arguments.whole("bodies");
-  const double pitch = 1.5;  // no shape reaches further than 0.75 m from its middle
+  const double pitch = 1.5;  // no shape reaches farther than 0.75 m from its centre
   int column_count = 1;
   while (column_count * column_count < count) ++column_count;
   const double half_width = pitch * column_count / 2 + 1;

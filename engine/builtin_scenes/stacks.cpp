@@ -1,4 +1,4 @@
-// Built-in scenes of what stands: stacks, pyramids, card houses.
+// Built-in scenes of standing structures: stacks, pyramids, card houses.
 // SPDX-License-Identifier: MIT
 // Source: geometry of the pyramids: the benchmarks of Box2D 3.
 #include "base/random.h"
@@ -26,8 +26,8 @@ Scene pyramid_of(int base) {
   return scene;
 }
 
-/// Tents of two leaning cards, their tops touching; from tent to tent a card lies across and carries the next floor.
-/// Each lying card has an inner corner of either tent under its ends; half a millimetre stays between neighbours.
+/// Builds tents of two leaning cards whose tops touch. A card lies across from tent to tent and carries the next floor.
+/// An inner corner of either tent is under each end of a lying card. Neighbouring cards are half a millimetre apart.
 Scene card_house_of(int base) {
   const double length = 0.4, thickness = 0.002, gap = 0.0005;
   const double lean = 25 * pi / 180;
@@ -106,7 +106,7 @@ Scene build_many_pyramids(const SceneArguments& arguments) {
   const double pitch = base + 1;
   const double width = pitch * column_count;
   Scene scene;
-  // A floor is a box whose top lies where the benchmark has a segment; there are no segments yet.
+  // The benchmark has a segment as floor. Here the top of a box takes its place.
   Body floors = static_body("floors", {}, box(width / 2, 0.25, {0, -0.25}));
   for (int row = 1; row < row_count; ++row) floors.shapes.push_back(box(width / 2, 0.25, {0, row * pitch - 0.25}));
   scene.bodies.push_back(std::move(floors));

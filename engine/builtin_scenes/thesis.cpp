@@ -18,8 +18,8 @@ double thesis_length(double px) {
   return px / 25;
 }
 
-/// Six vertices at jittered angles, 20..50 px from the middle. The thesis takes whatever comes; here the first draw
-/// that is a convex hexagon, always the same one.
+/// Six vertices at jittered angles, 20..50 px from the middle. The thesis accepts every draw; here the first draw that
+/// is a convex hexagon is used, always the same one.
 std::vector<Point> thesis_hexagon() {
   Random random(2024);
   for (;;) {
@@ -42,7 +42,8 @@ Scene build_thesis(const SceneArguments& arguments) {
   scene.settings.dt = 0.0167;
   scene.settings.friction_mix = MixRule::minimum;
   scene.settings.restitution_mix = MixRule::minimum;
-  // The thesis lets every contact bounce. Its own solver keeps that; resting contacts of the others need a threshold.
+  // In the thesis every contact bounces. Its own solver does the same; the other solvers need a threshold for resting
+  // contacts.
   if (arguments.solver == SolverKind::impulse) scene.settings.restitution_threshold = 0;
 
   scene.bodies.push_back(static_body("disc", thesis_point(200, 300), with(circle(thesis_length(50)), 0.5, 1)));
@@ -86,7 +87,8 @@ Scene build_thesis_mix(const SceneArguments& arguments) {
   scene.spawned_max.reset();
   const std::vector<Body> kinds = std::move(scene.prototypes);
   scene.prototypes.clear();
-  // The window holds 150; for more all of it grows but disc and block, which stay where they are from its lower left.
+  // The window holds 150 bodies. For more bodies the window grows; disc and block keep their places relative to its
+  // lower left corner.
   int scale = 1;
   while (150 * scale * scale < count) ++scale;
   const double width = 32.0 * scale, height = 24.0 * scale;
@@ -94,13 +96,13 @@ Scene build_thesis_mix(const SceneArguments& arguments) {
   floor.half_size.x = width / 2;
   scene.bodies[2].position.x = width / 2;
   for (const std::size_t wall : {std::size_t{3}, std::size_t{4}}) {
-    // As high again as the window: what is dropped above it stays inside.
+    // The walls are three times as high as the window, so that bodies dropped above the window stay inside.
     scene.bodies[wall].shapes[0].half_size.y = 1.5 * height;
     scene.bodies[wall].position.y = 1.8 + 1.5 * height;
   }
   scene.bodies[4].position.x = width - 0.6;
   Random random(arguments.seed());
-  const double pitch = 3.5;  // no two neighbours reach as far
+  const double pitch = 3.5;  // neighbours cannot overlap
   const int column_count = static_cast<int>((width - 4) / pitch);
   const double first_row = 16;  // above disc and block
   for (int i = 0; i < count; ++i) {
