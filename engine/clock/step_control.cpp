@@ -10,7 +10,7 @@
 namespace ticktrue::engine {
 namespace {
 
-constexpr double safety = 0.85;       // of the tolerance is aimed at
+constexpr double safety = 0.85;       // the target, as a share of the tolerance
 constexpr double growth_max = 4;      // from one tick to the next
 constexpr double shrink_max = 0.1;    // from one trial to the next
 constexpr double steady_share = 0.7;  // an accepted tick with at least this share of the tolerance keeps its length
@@ -36,8 +36,8 @@ double root(double x, int n) {
   return y;
 }
 
-/// Largest difference of a position, m, or an angle, rad; not finite where one of them is not. Bodies that only one has
-/// count as nothing.
+/// Largest difference of a position, m, or an angle, rad; not finite if a pose is not finite. A body that only one list
+/// has counts as no difference.
 double distance(const std::vector<BodyReport>& a, const std::vector<BodyReport>& b) {
   double worst = 0;
   std::size_t j = 0;
@@ -57,7 +57,7 @@ double distance(const std::vector<BodyReport>& a, const std::vector<BodyReport>&
   return worst;
 }
 
-/// Order of the error of a tick with respect to its length: contacts make every scheme one of order 1.
+/// Order of the error of a tick with respect to its length. With contacts every scheme has order 1.
 int order_of(const Engine& engine) {
   const Scene& scene = engine.scene();
   return can_collide(scene) || scene.pointer ? 1 : info_of(integrators, scene.settings.integrator).order;
@@ -68,7 +68,7 @@ int order_of(const Engine& engine) {
 StepControl::StepControl(const Engine& engine)
     : settings_(engine.scene().settings.clock), order_(order_of(engine)), next_s_(engine.scene().settings.dt) {}
 
-/// The bodies after these ticks. The engine is then in the state of the image again, also where a tick failed.
+/// The bodies after these ticks. The engine is then in the state of the image again, even if a tick failed.
 Result<std::vector<BodyReport>> StepControl::try_ticks(Engine& engine, double dt, int tick_count) {
   Status did;
   for (int tick = 0; tick < tick_count && did; ++tick) did = engine.step({dt, {}}, nullptr);
@@ -88,13 +88,13 @@ Result<double> StepControl::error_of(Engine& engine, double dt) {
 }
 
 Result<double> StepControl::choose(Engine& engine, double due_s, ClockReport& report) {
-  // What is no number has no error; whoever steps on finds it. No image of it could be loaded back.
+  // A state that is not finite has no error, and its image could not be loaded. The next tick reports the state.
   if (find_non_finite(engine.state())) return smaller(next_s_, due_s);
   image_.clear();
   encode_image(engine.state(), image_);
   const double floor_s = larger(settings_.dt_min, 2 * limits::dt_min_s);
   double dt = larger(floor_s, smaller(next_s_, settings_.dt_max));
-  // A wanted length beyond the frame is kept for the next one; what is tried is what can be run.
+  // A wanted length beyond the frame is kept for the next frame. A trial takes at most the time due.
   for (int trial = 0; trial < trial_count_max; ++trial) {
     const double tried = smaller(dt, due_s);
     const Result<double> error = error_of(engine, tried);
@@ -102,13 +102,13 @@ Result<double> StepControl::choose(Engine& engine, double due_s, ClockReport& re
     ++report.trial_count;
     const bool accepted = *error <= settings_.tolerance;
     const double aim = safety * settings_.tolerance;
-    // Nothing to measure: as long as may be. Not finite: much shorter.
+    // No error: the longest allowed length. Not finite: a much shorter length.
     double factor = *error > 0 ? root(aim / *error, order_ + 1) : growth_max;
     if (!(*error - *error == 0)) factor = shrink_max;
     if (accepted) {
       const bool steady = *error >= steady_share * settings_.tolerance;
       next_s_ = steady ? dt : smaller(tried * smaller(factor, growth_max), settings_.dt_max);
-      // A first guess far too short would waste a tick of little error: try a longer one, once it is known.
+      // A first guess far too short would waste a tick of little error. Try a longer length once the error is known.
       if (!steady && trial == 0 && tried < due_s && next_s_ > 1.2 * tried) {
         dt = next_s_;
         continue;

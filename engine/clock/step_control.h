@@ -2,10 +2,10 @@
 // SPDX-License-Identifier: MIT
 // Source: Hairer, Norsett, Wanner, "Solving Ordinary Differential Equations I", 1993, section II.4.
 //
-// The simulation's state is saved, run for one tick of dt and, from the same state, for two of dt / 2, and loaded back.
-// The difference d of the poses tells the error of the long tick: e = d / (1 - 2^-p) for a scheme of order p. Lengths
-// are tried until e is below the tolerance; the tick itself is then the caller's to run. The tick's inputs are left
-// out of the trials.
+// A trial saves the simulation's state and runs one tick of dt. From the same state it then runs two ticks of dt / 2,
+// and loads the state back. The difference d of the poses gives the error of the long tick: e = d / (1 - 2^-p) for a
+// scheme of order p. Lengths are tried until e is below the tolerance; the caller then runs the tick itself. Trials
+// leave out the tick's inputs.
 #pragma once
 
 #include <vector>
@@ -20,7 +20,7 @@ class StepControl {
   explicit StepControl(const Engine& engine);
 
   /// A length of at most `due_s` whose error is at most the tolerance, or dt_min. Leaves the engine as it was.
-  /// Errors: those of Simulation::step, of a tick that was tried, and of Simulation::load.
+  /// Errors: those of Simulation::step for a trial tick, and of Simulation::load.
   Result<double> choose(Engine& engine, double due_s, ClockReport& report);
 
  private:

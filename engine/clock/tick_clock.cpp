@@ -35,7 +35,7 @@ std::optional<double> TickClock::next_tick(double wanted_s) {
     case ClockKind::semi_fixed:
       if (due_s_ < dt_) return std::nullopt;
       if (ticks_in_frame_ >= settings_.ticks_per_frame_max) {
-        // Whole ticks go; what is left over stays, so that the phase of the host's time is kept.
+        // Whole ticks are subtracted and the remainder stays, so that the phase of the host's time is kept.
         while (due_s_ >= dt_) {
           due_s_ -= dt_;
           report.dropped_s += dt_;
@@ -51,7 +51,7 @@ std::optional<double> TickClock::next_tick(double wanted_s) {
       break;
     case ClockKind::adaptive: {
       if (due_s_ < limits::dt_min_s) return std::nullopt;
-      // 1 + 1e-9: what is left after n equal parts must not give one more by rounding.
+      // 1 + 1e-9: rounding must not leave a remainder after n equal parts, which would give one more tick.
       double parts = 1;
       while (parts * wanted_s * (1 + 1e-9) < due_s_ && parts < 3) ++parts;
       dt = parts < 3 ? due_s_ / parts : wanted_s;

@@ -2,8 +2,8 @@
 // SPDX-License-Identifier: MIT
 // Source: Fiedler, "Fix Your Timestep!", 2004 (accumulator).
 //
-// A clock acts where a session is recorded. The trace keeps the bits of each tick's dt, so a replay needs no clock, and
-// every kind of it replays bit for bit.
+// A clock acts only while a session is recorded. The trace keeps the bits of each tick's dt. A replay therefore needs
+// no clock, and it reproduces every bit for each kind of clock.
 #pragma once
 
 #include <cstdint>
@@ -13,16 +13,16 @@
 
 namespace ticktrue::engine {
 
-/// What became of the host's time.
+/// The use of the host's time.
 struct ClockReport {
   std::uint64_t frame_count = 0;
   std::uint64_t tick_count = 0;
   double frame_time_s = 0;             // sum of the frames
   double tick_time_s = 0;              // sum of the ticks' dt
-  double dropped_s = 0;                // semi_fixed: beyond the cap of ticks per frame
-  double cut_s = 0;                    // variable, adaptive: of frames longer than dt_max
-  std::uint64_t inaccurate_count = 0;  // adaptive: ticks of dt_min whose error was above the tolerance all the same
-  std::uint64_t trial_count = 0;       // adaptive: ticks tried and measured
+  double dropped_s = 0;                // semi_fixed: time beyond the largest number of ticks per frame
+  double cut_s = 0;                    // variable, adaptive: time of frames beyond dt_max
+  std::uint64_t inaccurate_count = 0;  // adaptive: ticks of dt_min whose error was still above the tolerance
+  std::uint64_t trial_count = 0;       // adaptive: ticks that were tried
 };
 
 class TickClock {
@@ -30,14 +30,14 @@ class TickClock {
   /// `dt` is the scene's, s. Requires: check_scene.
   TickClock(const ClockSettings& settings, double dt) : settings_(settings), dt_(dt) {}
 
-  /// A frame of the host has passed. Requires: seconds > 0, finite; next_tick gave nothing.
+  /// A frame of the host has passed. Requires: seconds > 0, finite; next_tick returned nothing.
   void add_frame(double seconds);
 
-  /// Time that ticks may still take in this frame, s.
+  /// The time of this frame that ticks have not used yet, s.
   double due_s() const { return due_s_; }
 
   /// Length of the next tick of this frame; nothing when the frame is done. For adaptive, `wanted_s` is the length that
-  /// keeps the error; the last ticks of a frame are made equal so that none is a sliver.
+  /// keeps the error at the tolerance. The last ticks of a frame have equal lengths, so that no tick is very short.
   std::optional<double> next_tick(double wanted_s = 0);
 
   ClockReport report;
