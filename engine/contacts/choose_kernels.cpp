@@ -14,7 +14,7 @@ unsigned contact_features(const Model& model) {
       if (shape.is_sensor || model.is_non_colliding[body.first_shape + child] != 0) continue;
       if (shape.friction > 0) features |= contact_feature::friction;
       if (shape.radius > 0) features |= contact_feature::radius;
-      // A contact with a circle has one point. Two other shapes have two, if one of them is dynamic.
+      // A contact with a circle has one point. A contact of two other shapes has two, if one of the shapes is dynamic.
       const bool moves = body.type == BodyType::dynamic_body;
       if (moves && shape.family != ShapeFamily::circle) features |= contact_feature::second_point;
     }
@@ -37,7 +37,7 @@ std::string left_out(unsigned features) {
 }
 
 void set_kernels(Model& model, InstructionSet set, unsigned features) {
-  if ((features & contact_feature::surface) != 0) features = contact_feature::all;  // one kernel has them all
+  if ((features & contact_feature::surface) != 0) features = contact_feature::all;  // the kernel with surfaces has all
   model.contact_features = features;
   model.kernels = {baseline::filling_kernels(),  baseline::contact_kernels(features),
                    baseline::revolute_kernels(), baseline::driven_revolute_kernels(),

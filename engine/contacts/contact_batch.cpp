@@ -1,4 +1,4 @@
-// Packing of contacts into batches, and impulses from tick to tick.
+// Packing of contacts into batches, and impulses kept from tick to tick.
 // SPDX-License-Identifier: MIT
 #include "engine/contacts/contact_batch.h"
 
@@ -136,7 +136,7 @@ void fill_extras(const SolvedSet& solved, ContactBatches& out, std::size_t i) {
 void make_batches(const SolvedSet& solved, const std::uint32_t* slots, const std::uint8_t* is_serial,
                   ContactBatches& out, std::size_t first, std::size_t end, std::uint32_t sink) {
   if (first == end) return;
-  constexpr std::size_t group_size = 8;  // batches: found points stay in the nearest cache until they are prepared
+  constexpr std::size_t group_size = 8;  // batches: points stay in the nearest cache until they are prepared
   FoundPoints found[group_size];
   const bool has_extras = (solved.model.contact_features & (contact_feature::bounce | contact_feature::surface)) != 0;
   ContactSource source = source_of(solved, slots, is_serial, sink);
@@ -247,7 +247,7 @@ void store_contacts(const SolvedSet& solved, const ContactBatches& batches, Stat
 void prepare_block(const SolvedSet& solved, const ContactColors& colors, const ContactBlock& block, std::uint32_t sink,
                    ContactBatches& out) {
   const std::span<const std::uint32_t> contacts = solved.contacts();
-  for (std::uint32_t i = block.first; i < block.end; ++i) {  // asks for all of it, from front to back
+  for (std::uint32_t i = block.first; i < block.end; ++i) {  // prefetches the whole block, front to back
     const std::uint32_t contact = contacts[colors.contacts()[i]];
     __builtin_prefetch(&solved.tick.contact_pairs[contact]);
     __builtin_prefetch(&solved.tick.contact_pairs[contact].friction);

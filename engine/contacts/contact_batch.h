@@ -1,9 +1,9 @@
 // Contacts as the solver sees them: batches of sixteen without a common dynamic body, in graph colours.
 // SPDX-License-Identifier: MIT
 //
-// A colour is a set of contacts without a common dynamic body. Sixteen of them can be solved side by side, and batches
-// of one colour in any order on any thread, with the same result. Colours follow from the sorted contacts and are
-// computed anew in each tick whose contacts differ from the last: they are no state.
+// A colour is a set of contacts without a common dynamic body. Sixteen contacts of a colour are solved side by side.
+// Batches of one colour give the same result in any order and on any thread. Colours follow from the sorted contacts
+// and are recomputed whenever the contacts change: they are no state.
 #pragma once
 
 #include <cstdint>
@@ -25,10 +25,10 @@ struct BatchRun {
 
 struct ContactBatches {
   std::vector<ContactBatch> batches;   // in solving order; the first `batch_count` are in use
-  std::vector<SurfaceLanes> surfaces;  // [batch]; empty where no material of the scene has any
-  std::vector<BounceLanes> bounces;    // [batch]; empty where the kernels leave restitution out
+  std::vector<SurfaceLanes> surfaces;  // [batch]; empty if no material of the scene has surface effects
+  std::vector<BounceLanes> bounces;    // [batch]; empty if the kernels leave restitution out
   std::size_t batch_count = 0;
-  std::vector<std::uint32_t> slots;  // [batch of the set, lane] contact or no_contact; unless the set has all contacts
+  std::vector<std::uint32_t> slots;  // [batch of the set, lane] contact or no_contact; if the set has some contacts
   std::vector<BatchRun> runs;        // in solving order
   std::vector<ContactLanes> saved;   // [batch of the set, point] normal impulses
 };
@@ -39,7 +39,7 @@ void list_fields(ContactBatches& of, const Visit& visit) {
   visit(in_place(batches), in_place(surfaces), in_place(bounces), batch_count, slots, runs, saved);
 }
 
-/// What the contact solver works in, and what it caches.
+/// The workspace and the caches of the contact solver.
 struct ContactWorkspace {
   ContactColors colors;
   IslandBlocks blocks;
@@ -57,8 +57,7 @@ void list_fields(ContactWorkspace& of, const Visit& visit) {
 /// Discards the batches of the last tick.
 void clear_contacts(ContactBatches& batches);
 
-/// Colours the contacts of a set. `may_split`: in blocks, if there are contacts enough for some. Requires:
-/// prepare_bodies.
+/// Colours the contacts of a set. `may_split`: in blocks, if there are enough contacts. Requires: prepare_bodies.
 void color_contacts(const SolvedSet& solved, bool may_split, ContactWorkspace& work);
 
 /// Packs the contacts of a set, with impulses from state.contacts, for substeps of length set.h. Appends to the batches
@@ -69,17 +68,18 @@ void warm_start_contacts(const SolvedSet& solved, ContactBatches& batches);
 void solve_contacts(const SolvedSet& solved, ContactBatches& batches);
 /// Removes the velocity that solve_contacts added to correct overlaps.
 void relax_contacts(const SolvedSet& solved, ContactBatches& batches);
-/// Applies restitution at points that hit faster than `threshold`. True if there was one.
+/// Applies restitution at points that hit faster than `threshold`. True if there was such a point.
 bool bounce_contacts(const SolvedSet& solved, ContactBatches& batches, Real threshold);
 /// Saves the normal impulses of a set for limit_impulses.
 void save_impulses(const SolverSet& set, ContactBatches& batches);
-/// Limits normal impulses to the saved ones, and friction to its cone: the impulse of an impact is no lasting force.
+/// Limits normal impulses to the saved ones, and friction to its cone, since the impulse of an impact is no lasting
+/// force.
 void limit_impulses(const SolverSet& set, ContactBatches& batches);
 /// Stores impulses in state.contacts, as forces.
 void store_contacts(const SolvedSet& solved, const ContactBatches& batches, State& state);
 
-/// Packs the contacts of a block, as above, as the only contacts of `out`. `sink`: a record that no other thread
-/// writes.
+/// Packs the contacts of a block, as prepare_contacts does, as the only contacts of `out`. `sink`: a record that no
+/// other thread writes.
 void prepare_block(const SolvedSet& solved, const ContactColors& colors, const ContactBlock& block, std::uint32_t sink,
                    ContactBatches& out);
 /// The arguments of a kernel for all batches of a block.

@@ -1,4 +1,4 @@
-// A whole tick for each block of contacts.
+// All substeps of a tick for each block of contacts.
 // SPDX-License-Identifier: MIT
 #include "engine/contacts/contact_blocks.h"
 
@@ -13,7 +13,7 @@ bool allows_blocks(const SolvedSet& solved) {
       tick.injected || !state.joints.empty() || !state.pointers.empty() || !tick.impacts.empty() ||
       solved.set.has_resting_impacts || tick.solver_sets.size() != 1)
     return false;
-  // A kinematic body moves in each substep, for all blocks.
+  // A kinematic body moves in each substep, before all blocks.
   const std::uint32_t sink = dummy_sink(solved.bodies);
   for (const std::uint32_t row : solved.all_rows())
     if (solved.bodies.masses[row].write == sink) return false;

@@ -2,8 +2,8 @@
 // SPDX-License-Identifier: MIT
 //
 // Islands are independent. Where only contacts act between bodies, an island can do a whole tick before the next island
-// begins. A block of islands stays in a core's own cache for all passes. Threads take blocks and need not wait for each
-// other. Each body meets its contacts and steps in the order of plain passes: the same bits.
+// begins. A block of islands stays in a core's own cache for all passes. Threads take blocks without waiting for each
+// other. Each body meets its contacts and steps in the order of plain passes, so the bits are the same.
 #pragma once
 
 #include "engine/contacts/contact_batch.h"
@@ -11,7 +11,7 @@
 
 namespace ticktrue::engine::TICKTRUE_PRECISION {
 
-/// Whether the contacts of this set can be solved in blocks: nothing else acts between its bodies, and nothing needs
+/// Whether the contacts of this set can be solved in blocks: only contacts act between its bodies, and nothing reads
 /// the contacts between substeps or later.
 bool allows_blocks(const SolvedSet& solved);
 

@@ -79,8 +79,8 @@ void ContactColors::rebuild(const IslandBlocks* blocks, std::size_t body_count, 
   is_colored_ = true;
 }
 
-/// Colours `count` contacts, at place_at(0), .. in the block. A contact whose body has no free colour left goes to
-/// `uncolored`, for the next pass. Returns the number of these contacts.
+/// Colours `count` contacts, at place_at(0), .. in the block. A contact whose body has no free colour goes to
+/// `uncolored`, for the next pass. Returns the number of uncoloured contacts.
 template <typename PlaceAt>
 std::size_t ContactColors::color_pass(std::size_t count, PlaceAt place_at, std::uint32_t pass,
                                       ColoringWork& work) const {
@@ -116,7 +116,8 @@ std::size_t ContactColors::color_pass(std::size_t count, PlaceAt place_at, std::
 }
 
 /// Puts the contacts of a block into slots, colour by colour, contacts between dynamic bodies first. Each colour begins
-/// a new batch. Colours with one contact, as of a body that touches everything, share batches that are solved serially.
+/// a new batch. Colours with one contact share batches that are solved serially; a body with very many contacts makes
+/// such colours.
 void ContactColors::fill_slots(const Parallel& parallel, ContactBlock& block, std::uint32_t pass_count,
                                ColoringWork& work) {
   block.first_slot = static_cast<std::uint32_t>(slots_.size());

@@ -2,8 +2,8 @@
 // SPDX-License-Identifier: MIT
 //
 // A colour is a set of contacts without a common dynamic body. Each contact, in order, gets the lowest colour that its
-// bodies do not have yet. The colour therefore depends on its island alone, and islands can be coloured and solved a
-// few at a time.
+// bodies do not have yet. The colour of a contact therefore depends on its island alone, and islands can be coloured
+// and solved a few at a time.
 #pragma once
 
 #include <cstddef>
@@ -21,7 +21,7 @@
 namespace ticktrue::engine::TICKTRUE_PRECISION {
 
 // One bit for each colour of a body. Contacts between dynamic bodies are solved first and contacts with other bodies
-// last: the last ones are solved most exactly, so that nothing sinks into the ground.
+// last. The last contacts have the smallest error, so that nothing sinks into the ground.
 inline constexpr std::uint32_t class_color_count = 32;
 inline constexpr std::uint32_t pass_color_count = 2 * class_color_count;
 
@@ -55,7 +55,7 @@ struct ContactBlock {
   std::uint32_t first_slot = 0, slot_end = 0;
 };
 
-/// The contacts of a set, as colours see them.
+/// The contacts of a set, as input of the colouring.
 struct ContactsOfSet {
   std::span<const ContactPair> pairs;       // of the tick
   std::span<const std::uint32_t> contacts;  // of the set, in `pairs`
@@ -67,7 +67,7 @@ struct ContactsOfSet {
   ContactBodies bodies_at(std::size_t i) const;
 };
 
-/// What colouring works in.
+/// The workspace of the colouring.
 struct ColoringWork {
   std::vector<ContactColor> colors;      // [place in `contacts`]
   std::vector<std::uint32_t> uncolored;  // places of contacts for the next pass
@@ -88,12 +88,12 @@ class ContactColors final : public TickCache {
  public:
   ContactColors() : TickCache(CacheKind::contact_colors) {}
 
-  /// Takes the bodies of the contacts into the key. True if they are those of the key already.
+  /// Takes the bodies of the contacts into the key. True if the key had these bodies already.
   bool follow_contacts(const ContactsOfSet& contacts, const Parallel& parallel);
-  /// Whether the colours are those of the key's contacts in this division. `division`: IslandBlocks::generation, or
+  /// Whether the colours are valid for the key's contacts in this division. `division`: IslandBlocks::generation, or
   /// one_block.
   bool valid_for(std::uint32_t division) const { return is_colored_ && division_ == division; }
-  /// Colours the contacts unless the colours hold. `blocks`: null for one block.
+  /// Colours the contacts unless the colours are valid. `blocks`: null for one block.
   void follow_division(const IslandBlocks* blocks, std::size_t body_count, const Parallel& parallel,
                        ColoringWork& work);
   void invalidate() override;
@@ -117,7 +117,7 @@ class ContactColors final : public TickCache {
   std::size_t color_pass(std::size_t count, PlaceAt place_at, std::uint32_t pass, ColoringWork& work) const;
 
   std::vector<ContactBodies> bodies_;   // key: of the contacts
-  std::uint32_t generation_ = 0;        // key: TickLists::contact_generation, if they are all
+  std::uint32_t generation_ = 0;        // key: TickLists::contact_generation, if are_all_
   bool are_all_ = false;                // key
   std::uint32_t division_ = one_block;  // key
   bool is_colored_ = false;
@@ -128,8 +128,8 @@ class ContactColors final : public TickCache {
   std::vector<BatchRange> color_batches_;
 };
 
-/// Colours the contacts of a set. `may_split`: in blocks, if there are contacts enough for some. `rows`: the dynamic
-/// bodies of the set.
+/// Colours the contacts of a set. `may_split`: in blocks, if there are enough contacts. `rows`: the dynamic bodies of
+/// the set.
 void color_contacts(const ContactsOfSet& contacts, std::span<const std::uint32_t> rows, bool may_split,
                     const Parallel& parallel, ContactColors& colors, IslandBlocks& blocks, ColoringWork& work);
 

@@ -1,15 +1,15 @@
 // Filling of batches from contacts, and storing of impulses: rows become lanes, several contacts at a time.
 // SPDX-License-Identifier: MIT
 //
-// Consecutive numbers of a row are loaded together and transposed in registers. Storing single lanes and loading them
-// as a vector would wait for the stores.
+// Consecutive numbers of a row are loaded together and transposed in registers. A vector load from lanes that were
+// stored one by one would wait for the stores.
 #include "engine/model/solver_kernels.h"
 #include "engine/simd/realx2n.h"
 
 namespace ticktrue::engine::TICKTRUE_PRECISION::TICKTRUE_ISA {
 namespace {
 
-/// As many lanes of a batch as V has, from `first` on, while they are filled.
+/// As many lanes of a batch as V has, from `first` on, up to the last filled lane.
 template <typename V>
 struct Filling {
   static constexpr int count = SimdTraits<V>::count;
@@ -18,7 +18,7 @@ struct Filling {
   ContactBatch& batch;
   FoundPoints& found;
   int first;
-  std::size_t pairs[count];  // where the contacts' rows are, bytes
+  std::size_t pairs[count];  // places of the contacts' rows, bytes
   std::size_t rows[count];
   std::size_t masses_a[count];
   std::size_t masses_b[count];
@@ -46,8 +46,8 @@ TICKTRUE_INLINE Columns4<V> gather4_behind(const Real* first, const std::size_t*
   return columns;
 }
 
-/// The number of points of each contact. `normal`: the columns at ContactSource::normal, which contain the number where
-/// it is as wide as a Real. No lane is then loaded by itself.
+/// The number of points of each contact. `normal`: the columns at ContactSource::normal; if the number is as wide as a
+/// Real, they contain it. No lane then needs a load of its own.
 template <typename V>
 TICKTRUE_INLINE V point_counts(const ContactSource& source, const Filling<V>& lanes, const Columns4<V>& normal) {
   if constexpr (SimdTraits<V>::count == 1) {
@@ -121,7 +121,7 @@ TICKTRUE_INLINE void fill_lanes(const ContactSource& source, const std::uint32_t
     set(found_point.anchor_b_y, anchors.at[3]);
     const V separation = select(exists > zero, gather4_behind<V>(source.separation[p], out.pairs).at[0] + slop, zero);
     out.store(point.separation, separation);
-    out.store(point.present_separation, separation + zero);  // as separation_of does for bodies that have not moved
+    out.store(point.present_separation, separation + zero);  // equals separation_of for bodies that have not moved
     set(found_point.normal_force, forces.at[p]);
     set(found_point.tangent_force, forces.at[2 + p]);
     out.store(found_point.exists, exists);
@@ -158,7 +158,7 @@ TICKTRUE_INLINE void empty_lane(const ContactSource& source, ContactBatch& batch
   }
 }
 
-/// Whether only one body of a contact is dynamic.
+/// Whether one body of a contact is not dynamic.
 TICKTRUE_INLINE bool is_immovable(const ContactSource& source, std::uint32_t contact) {
   const std::uint32_t* bodies = behind(source.body_indices, contact * source.pair_size);
   return behind(source.records, bodies[0] * source.mass_size)[1] == source.sink ||
@@ -176,7 +176,7 @@ void fill(const ContactSource& source, ContactBatch* batches, FoundPoints* found
     batch.immovable = is_immovable(source, slots[0]) ? 1 : 0;
     batch.is_serial = source.is_serial[i];
     batch.bounces = 0;
-    if (i + 1 < slot_count)  // prefetches the rows of the next batch: a colour skips over memory
+    if (i + 1 < slot_count)  // prefetches the rows of the next batch: slots of a colour are not contiguous in memory
       for (int next = contact_lane_count; next < 2 * contact_lane_count; ++next) {
         const std::uint32_t contact = slots[next] != no_contact ? slots[next] : slots[0];
         __builtin_prefetch(behind(source.body_indices, contact * source.pair_size));

@@ -1,12 +1,13 @@
-// The inner loops of the contact solver: as many contacts of a batch side by side as vector registers hold.
+// The inner loops of the contact solver. A vector register holds one contact of a batch in each lane.
 // SPDX-License-Identifier: MIT
 // Source: Catto, "Iterative Dynamics with Temporal Coherence", GDC 2005 (accumulated impulses); Catto, "Solver2D", 2024
 // (soft contacts with relax). Each lane does the same operations in the same order at every vector width.
 //
-// A contact is solved in the frame of its normal n and tangent t: with u the relative velocity of the centres of mass
+// A contact is solved in the frame of its normal n and tangent t. With u the relative velocity of the centres of mass
 // along n or t, w the angular velocities, r the anchors and m the sum of the inverse masses,
 //   velocity of the point = u + w_b (r_b x n) - w_a (r_a x n),     an impulse P adds m P to u, i (r x n) P to w.
-// The bodies' velocities get the sum of a contact's impulses once, at its end. Normals first, then friction.
+// The sum of a contact's impulses is added to the bodies' velocities once, at the end. Normals come first, then
+// friction.
 #include "engine/model/solver_kernels.h"
 #include "engine/simd/realx2n.h"
 
@@ -39,8 +40,8 @@ struct LaneRange {
   }
 };
 
-/// Runs `solve_lanes` over the contacts of all batches: with Widest where a batch has enough, and with one contact at a
-/// time in serial batches.
+/// Runs `solve_lanes` over the contacts of all batches. Batches with enough contacts use Widest; serial batches take
+/// one contact at a time.
 template <typename Widest, typename Solve>
 TICKTRUE_INLINE void for_lane_ranges(const ContactWork& work, Solve solve_lanes) {
   for (std::size_t i = 0; i < work.batch_count; ++i) {
@@ -94,7 +95,7 @@ TICKTRUE_INLINE void add_impulses(Pair<V>& pair, V normal_impulse, V tangent_imp
 /// Writes the velocities back.
 template <typename V>
 TICKTRUE_INLINE void store_pair(const LaneRange<V>& lanes, Pair<V>& pair, Real* bodies) {
-  pair.a.at[3] = pair.b.at[3] = V{};  // it is 0, and needs no register so
+  pair.a.at[3] = pair.b.at[3] = V{};  // it is 0; as a constant it needs no register
   scatter4<V, word_length>(bodies, lanes.write_a(), pair.a);
   scatter4<V, word_length>(bodies, lanes.write_b(), pair.b);
 }
@@ -105,7 +106,7 @@ struct RelativeMotion {
   V normal_displacement;               // of B against A, m
   V cosine_less_1_a, cosine_less_1_b;  // cosine of the rotation - 1
   V sine_a, sine_b;                    // sine of the rotation
-  V radius_a, radius_b;                // m; pivots lie a radius behind the anchors: the surface of a rolling disc stays
+  V radius_a, radius_b;                // m; a pivot is a radius behind its anchor: the surface of a rolling disc stays
 };
 
 template <unsigned features, typename V>
@@ -128,7 +129,7 @@ TICKTRUE_INLINE RelativeMotion<V> load_relative_motion(const LaneRange<V>& lanes
   return motion;
 }
 
-/// The present separation of a point: the normal is constant, the pivots rotate with the bodies.
+/// The present separation of a point. The normal is constant; the pivots rotate with the bodies.
 template <unsigned features, typename V>
 TICKTRUE_INLINE V separation_of(const LaneRange<V>& lanes, const ContactPointLanes& point,
                                 const RelativeMotion<V>& motion, V arm_a, V arm_b) {
@@ -149,14 +150,14 @@ struct Target {
   V mass_scale, impulse_scale;
 };
 
-/// A gap may close within the substep. An overlap is not corrected.
+/// The target velocity of a rigid contact: a gap may close within the substep, and an overlap is not corrected.
 template <typename V>
 TICKTRUE_INLINE V gap_rate(V separation, V inv_h) {
   const V zero{};
   return select(separation > zero, separation * inv_h, zero);
 }
 
-/// A gap as above. An overlap is corrected softly.
+/// The target velocity of a soft contact: a gap may close within the substep, and an overlap is corrected softly.
 template <typename V>
 TICKTRUE_INLINE Target<V> target_of(V separation, V inv_h, const Softness& soft) {
   const auto broadcast = SimdTraits<V>::broadcast;
@@ -418,7 +419,7 @@ TICKTRUE_INLINE bool bounce_lanes(const ContactWork& work, std::size_t i, const 
     normal_sum += change;
   }
   if (!any_of(bounced)) return false;
-  // Velocities of lanes without a bounce keep the signs of their zeros.
+  // In lanes without a bounce, velocities keep the signs of their zeros.
   const Pair<V> before = load_pair(lanes, work.bodies);
   add_impulses(pair, normal_sum, zero);
   for (int axis = 0; axis < 3; ++axis) {
@@ -440,7 +441,8 @@ bool bounce(const ContactWork& work, Real threshold) {
   return any;
 }
 
-/// The compiled kernels: all have a second point or a radius, and one with surfaces has all features.
+/// The features of the compiled kernel. Every kernel has a second point or a radius; a kernel with surfaces has all
+/// features.
 constexpr unsigned compiled(unsigned features) {
   if (has(features, contact_feature::surface)) return contact_feature::all;
   return has(features, contact_feature::second_point) ? features : features | contact_feature::radius;

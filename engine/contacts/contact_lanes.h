@@ -1,4 +1,4 @@
-// Contacts as kernels see them: sixteen per batch, in the frame of their normals.
+// Contacts in the layout of the kernels: sixteen per batch, in the frame of their normals.
 // SPDX-License-Identifier: MIT
 #pragma once
 
@@ -10,8 +10,8 @@ namespace ticktrue::engine::TICKTRUE_PRECISION {
 inline constexpr int contact_lane_count = 2 * lane_count;
 using ContactLanes = LanesOf<contact_lane_count>;
 
-/// A point as the narrow phase has found it, with the forces of the tick before. `fill` makes these lanes, and
-/// `prepare` makes ContactPointLanes of them.
+/// A point from the narrow phase, with the forces of the tick before. `fill` writes these lanes, and `prepare` turns
+/// them into ContactPointLanes.
 struct FoundPointLanes {
   ContactLanes anchor_a_x, anchor_a_y;  // from A's centre of mass, m
   ContactLanes anchor_b_x, anchor_b_y;
@@ -24,8 +24,8 @@ struct FoundPoints {
   FoundPointLanes points[2];
 };
 
-/// A point as it is solved. Arms are levers about the bodies' centres of mass: cross(anchor, normal), cross(anchor,
-/// right_turn(normal)), in m.
+/// A point in the solver's form. Arms are levers about the bodies' centres of mass: cross(anchor, normal),
+/// cross(anchor, right_turn(normal)), in m.
 struct ContactPointLanes {
   ContactLanes normal_arm_a, normal_arm_b;
   ContactLanes tangent_arm_a, tangent_arm_b;
@@ -37,15 +37,15 @@ struct ContactPointLanes {
   ContactLanes tangent_impulse;
 };
 
-/// Batches name a record of a body by its distance from the first, in words of eight bytes. Addresses then need no
-/// multiplication.
+/// A batch refers to the record of a body by its offset from the first record, in words of eight bytes. Addresses then
+/// need no multiplication.
 inline constexpr std::uint32_t words_per_record = body_record_length * sizeof(Real) / 8;
 
 struct ContactBatch {
   std::uint32_t
       read_a[contact_lane_count];  // in SolverBodies::records; static bodies and empty lanes read the dummy body
   std::uint32_t read_b[contact_lane_count];
-  std::int32_t count;       // lanes from here on are empty
+  std::int32_t count;       // all later lanes are empty
   std::uint32_t immovable;  // 1: one body of each contact is not dynamic
   std::uint32_t is_serial;  // 1: lanes are solved one after the other; 0: no two lanes share a dynamic body
   std::uint32_t bounces;    // 1: some lane has restitution
@@ -93,9 +93,9 @@ struct ContactSource {
   const Real* masses;            // inverse mass, inverse inertia
   const std::uint32_t* records;  // of each body: the record to read, the record to write
   std::uint32_t sink;            // in `records`: written for non-dynamic bodies
-  std::uint32_t own_sink;        // written in its place
+  std::uint32_t own_sink;        // written instead of `sink`
   std::uint32_t dummy;           // read by empty lanes
-  Real slop;                     // of the size
+  Real slop;                     // relative to the size
 };
 
 /// Consecutive batches, for one call of a kernel.
@@ -110,7 +110,7 @@ struct ContactWork {
   Softness immovable;
 };
 
-/// Features of a scene's contacts. A kernel without a feature leaves its work out and gives the same bits.
+/// Features of a scene's contacts. A kernel without a feature leaves out its work; the bits are the same.
 namespace contact_feature {
 inline constexpr unsigned friction = 1;
 inline constexpr unsigned second_point = 2;
@@ -139,10 +139,10 @@ struct ContactKernels {
   /// `found`: [batch], as filled.
   void (*prepare)(const ContactWork& work, const FoundPoints* found);
   void (*warm_start)(const ContactWork& work);
-  /// Requires: `fill` or `relax` since the poses changed.
+  /// Requires: `fill` or `relax` has run since the poses changed.
   void (*solve)(const ContactWork& work);
   void (*relax)(const ContactWork& work);
-  /// Applies restitution at points that hit faster than `threshold`. True if there was one.
+  /// Applies restitution at points that hit faster than `threshold`. True if there was such a point.
   bool (*bounce)(const ContactWork& work, Real threshold);
 };
 

@@ -6,7 +6,7 @@
 
 namespace ticktrue::engine::TICKTRUE_PRECISION {
 
-/// Stiffness of contacts between dynamic bodies and of contacts with other bodies. `slop`: overlap that is not
+/// Stiffness of contacts between dynamic bodies, and of contacts with other bodies. `slop`: the overlap that is not
 /// corrected.
 struct ContactStiffness {
   Softness moving;
@@ -14,7 +14,7 @@ struct ContactStiffness {
   Real slop = 0;  // relative to the size of the smaller shape
 };
 
-/// Stiffness of soft contacts, tied to the substep rate 1 / h.
+/// Stiffness of soft contacts, proportional to the substep rate 1 / h.
 ContactStiffness soft_contacts(Real h);
 /// Contacts that remove a fifth of the overlap beyond the slop in each step of length h.
 ContactStiffness baumgarte_contacts(Real h);

@@ -1,4 +1,4 @@
-// Blocks of islands: which islands are coloured and solved together.
+// Blocks of islands: the division into islands that are coloured and solved together.
 // SPDX-License-Identifier: MIT
 #pragma once
 
@@ -28,10 +28,10 @@ inline std::uint32_t dynamic_body_of(const ContactBodies& bodies) {
   return bodies.a != no_body ? bodies.a : bodies.b;
 }
 
-/// What the search for islands and the sorting by block work in.
+/// The workspace of the search for islands and of the sorting by block.
 struct IslandBlocksWork {
   std::vector<std::uint32_t> island_parent;  // [body]
-  std::vector<std::uint32_t> counts;         // [body] contacts of the island, at its first row; [block] where it begins
+  std::vector<std::uint32_t> counts;         // [body] contacts of the island, at its first row; [block] its start
 };
 
 template <typename Visit>
@@ -40,30 +40,30 @@ void list_fields(IslandBlocksWork& of, const Visit& visit) {
   visit(island_parent, counts);
 }
 
-/// What blocks follow from.
+/// The inputs of the division into blocks.
 struct IslandBlocksKey {
   std::span<const ContactBodies> contacts;  // of the set
   std::span<const std::uint32_t> rows;      // dynamic bodies of the set
   std::size_t body_count;
-  bool same_contacts;  // they are those for which the blocks held last
+  bool same_contacts;  // the contacts are those of the last valid blocks
 };
 
 inline constexpr std::uint32_t no_block = 0xffffffff;
 
-/// The division of a set's bodies into blocks that share no contact. Key: no contact ties two blocks. The rows of the
-/// set are assigned to the blocks anew where they have changed.
+/// The division of a set's bodies into blocks that share no contact. Key: no contact connects two blocks. If the rows
+/// of the set have changed, they are assigned to the blocks again.
 class IslandBlocks final : public TickCache {
  public:
   IslandBlocks() : TickCache(CacheKind::contact_blocks) {}
 
   /// Whether each contact is within one block.
   bool valid_for(const IslandBlocksKey& key) const;
-  /// Makes the blocks anew unless they hold. `forced`: contacts per block, or 0 for the default. False: there are no
-  /// blocks, since they do not pay.
+  /// Makes the blocks unless they are valid. `forced`: contacts per block, or 0 for the default. False: blocks do not
+  /// pay, and there are none.
   bool follow(const IslandBlocksKey& key, std::size_t forced, IslandBlocksWork& work);
   void invalidate() override;
 
-  /// Another number for each division; never 0.
+  /// A different number for each division; never 0.
   std::uint32_t generation() const { return generation_; }
   std::size_t count() const { return count_; }
   std::uint32_t block_of(std::uint32_t row) const { return block_of_[row]; }
@@ -71,7 +71,7 @@ class IslandBlocks final : public TickCache {
   std::span<const std::uint32_t> rows(std::size_t block) const {
     return {rows_.data() + row_starts_[block], row_starts_[block + 1] - row_starts_[block]};
   }
-  /// Those in no block.
+  /// The rows in no block.
   std::span<const std::uint32_t> free_rows() const { return std::span(rows_).subspan(row_starts_[count_]); }
 
  private:
@@ -83,13 +83,13 @@ class IslandBlocks final : public TickCache {
   std::size_t count_ = 0;
   std::vector<std::uint32_t> block_of_;    // [body] its block, or no_block
   std::vector<std::uint32_t> set_rows_;    // rows of the key
-  std::vector<std::uint32_t> rows_;        // [block] rows of dynamic bodies; then those in no block
+  std::vector<std::uint32_t> rows_;        // [block] rows of dynamic bodies; then the rows in no block
   std::vector<std::uint32_t> row_starts_;  // [block] in rows_, and the end
   std::uint32_t ticks_unsplit_ = 0;        // until islands are searched for again
 };
 
 /// Sorts the elements 0..count-1 by block into `out`, stable. block_at(i): the block of element i, or no_block.
-/// `starts` gets, for each block, where it begins, and the end of the last.
+/// `starts`: [block] its start, and the end of the last block.
 template <typename BlockAt>
 void sort_by_block(std::size_t block_count, std::size_t count, const BlockAt& block_at,
                    std::vector<std::uint32_t>& starts, std::vector<std::uint32_t>& next,

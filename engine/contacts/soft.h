@@ -1,4 +1,4 @@
-// Soft constraints: a spring and damper expressed through time step, so that any stiffness is stable.
+// Soft constraints: a spring and damper in terms of the time step, so that any stiffness is stable.
 // SPDX-License-Identifier: MIT
 // Source: Catto, "Soft Constraints", GDC 2011; Catto, "Solver2D", 2024 (bias rate, mass scale, impulse scale).
 #pragma once
