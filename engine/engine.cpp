@@ -1,4 +1,4 @@
-// The engine as others see it: made from a scene, or from the setup of a trace.
+// The face of the engine: it is made from a scene, or from the setup of a trace.
 // SPDX-License-Identifier: MIT
 #include "engine/engine.h"
 

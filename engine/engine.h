@@ -17,33 +17,33 @@
 
 namespace ticktrue::engine {
 
-/// Rises with every change that changes bits on purpose; CHANGELOG says so under *TRACE*.
+/// Rises with every intended change of bits; CHANGELOG marks it with *TRACE*.
 inline constexpr std::uint32_t physics_version = 12;
 inline constexpr std::string_view simulation_name = "ticktrue.engine";
 
-/// Choices that change no bit of what both sides have.
+/// Options that change no bit of the state columns that two engines share.
 struct EngineOptions {
-  bool full_pipeline = false;                          // every stage the solver can use, needed or not
+  bool full_pipeline = false;                          // every stage that the solver can use, needed or not
   std::optional<BroadPhaseKind> broad_phase;           // instead of the scene's
   std::optional<InstructionSet> instruction_set = {};  // instead of instruction_set_in_use(); requires can_use
   unsigned thread_count = 1;                           // of a tick
-  // For tests: instead of threads of its own, and chunks of this size. The runner must outlive the engine.
+  // For tests: a runner instead of the engine's own threads, and a size of chunks. The runner must outlive the engine.
   Parallel parallel = {};
   std::optional<std::size_t> pair_count_max = {};  // for tests: fewer than limits::pair_count_max
-  // Does each tick a second time without any cached structure, on a copy of the state, and compares every column: where
-  // they differ, step() fails (inconsistent) with tick, stage, table, column and row. A tick takes two to
-  // five times as long.
+  // Does each tick a second time on a copy of the state without any cached structure, and compares every column. If
+  // they differ, step() fails (inconsistent) with tick, stage, table, column and row. A tick takes two to five times as
+  // long.
   bool check_caches = false;
 };
 
-/// A stage that is, or could have been, in the pipeline.
+/// A stage of the pipeline, or one that was left out.
 struct StageDescription {
   std::string name;
   bool included;
   std::string why;
 };
 
-/// What the engine shows of a body beyond its columns, in f64, for drawing, tables and cross-checks.
+/// A body in f64 for drawing, tables and cross-checks, with more than its columns.
 struct BodyReport {
   std::uint32_t id = 0;
   std::string name;  // "crate_7"; spawned bodies: "<prototype>#<id>"
@@ -68,7 +68,7 @@ struct ContactReport {
   double normal_force[2]{};  // N, mean of the tick
 };
 
-/// What the scene's broad phase makes of the present poses.
+/// Boxes and pairs of the scene's broad phase at the present poses.
 struct BroadPhaseReport {
   struct Box {
     std::uint32_t body = 0;  // id
@@ -79,25 +79,25 @@ struct BroadPhaseReport {
     std::uint32_t first = 0;  // index in `boxes`
     std::uint32_t second = 0;
   };
-  std::vector<Box> boxes;   // of each shape that can meet another
-  std::vector<Pair> pairs;  // that the narrow phase is to test
+  std::vector<Box> boxes;   // of each shape that can touch another
+  std::vector<Pair> pairs;  // that the narrow phase will test
 };
 
 class Engine : public Simulation {
  public:
-  /// The pipeline, stage by stage, those left out included, with the reason for each.
+  /// The stages of the pipeline and the stages left out, with the reason for each.
   virtual std::vector<StageDescription> describe() const = 0;
   virtual const Scene& scene() const = 0;
   virtual std::vector<BodyReport> bodies() const = 0;
-  /// Contacts of the present poses, found anew; forces are those of the last tick. None where more pairs are near each
-  /// other than a tick may have: the next step will say so. So too below.
+  /// Contacts of the present poses, computed for this call; forces are those of the last tick. Empty if the shapes have
+  /// more pairs than a tick may have: broad_phase() then has no pairs, and the next step fails.
   virtual std::vector<ContactReport> contacts() const = 0;
   virtual BroadPhaseReport broad_phase() const = 0;
   virtual std::uint64_t tick() const = 0;            // ticks done
   virtual double time_s() const = 0;                 // sum of their dt
   virtual std::uint64_t ignored_inputs() const = 0;  // inputs to bodies already removed
 
-  /// Makes the next tick build these structures anew. Changes no bit of any later state.
+  /// Makes the next tick rebuild these structures. Changes no bit of any later state.
   virtual void forget_caches(CacheSet caches) = 0;
   virtual CacheReport cache_report() const = 0;
 };
@@ -105,7 +105,7 @@ class Engine : public Simulation {
 /// Errors: what check_scene refuses, incompatible, and what make_workers refuses (base/parallel/workers.h).
 Result<std::unique_ptr<Engine>> make_engine(const Scene& scene, const EngineOptions& options = {});
 
-/// The engine as traces know it: its setup is encode_scene of the scene (scene_binary.h).
+/// The engine's name in traces: its setup is encode_scene of the scene (scene_binary.h).
 const SimulationInfo& engine_info();
 
 }  // namespace ticktrue::engine
