@@ -14,8 +14,8 @@
 namespace ticktrue::engine::TICKTRUE_PRECISION {
 namespace {
 
-/// The index of the contact of two proxies, or the number of contacts. `first`: where to begin, or no_reference.
-/// Callers ask for pairs in order.
+/// The index of the contact of two proxies, or the number of contacts. `first`: the start of the search, or
+/// no_reference. Callers ask for pairs in order.
 std::uint32_t contact_of(const State& state, const Proxy& a, const Proxy& b, std::uint32_t& first) {
   const std::tuple wanted(state.bodies[a.body].id, a.child, state.bodies[b.body].id, b.child);
   const auto key_of = [](const ContactRow& row) {
@@ -35,7 +35,7 @@ const BodyModel& constants_of(const Model& model, const BodyRow& body) {
   return model.bodies[body.source];
 }
 
-/// Notes which bodies are fast. False: none is.
+/// Marks the fast bodies. False: no body is fast.
 bool find_fast(const Model& model, const State& state, const Parallel& parallel, const MotionBounds& bounds,
                std::vector<std::uint8_t>& fast_rows) {
   std::atomic<bool> any{false};
@@ -53,7 +53,7 @@ bool find_fast(const Model& model, const State& state, const Parallel& parallel,
   return any.load(std::memory_order_relaxed);
 }
 
-/// Appends those of the candidate pairs begin..end-1 whose impacts are located.
+/// Appends the candidate pairs of begin..end-1 whose impacts are located.
 void add_impacts(const Model& model, const State& state, const TickLists& tick,
                  const std::vector<std::uint8_t>& fast_rows, const MotionBounds& bounds, std::size_t begin,
                  std::size_t end, std::vector<ImpactPair>& impacts) {
@@ -88,7 +88,8 @@ void add_impacts(const Model& model, const State& state, const TickLists& tick,
     const Distance gap =
         distance(model, shape_a, {body_a.position, body_a.rotation}, shape_b, {body_b.position, body_b.rotation});
     if (gap.separation > swept_a + swept_b) continue;
-    // An overlap beyond the middle would be left on the other side. The contact solver corrects it.
+    // An impact would leave an overlap beyond the middle on the other side. The contact solver corrects such an
+    // overlap.
     if (gap.separation < Real(-0.5) * pair_size(shape_a, shape_b)) continue;
     ImpactPair pair{};
     pair.body_a = a.body;
@@ -110,7 +111,7 @@ void ImpactFinder::run(const Model& model, State& state, TickLists& tick, Real d
   tick.impacts.clear();
   if (tick.pairs.empty()) return;
   const MotionBounds bounds = motion_bounds_of_tick(model, state, dt);
-  // Broad phases that follow bodies know whether any is fast.
+  // Broad phases that follow bodies know whether any body is fast.
   if (bounds.has_ccd && !bounds.locates_impacts && tick.changes.is_known && !tick.changes.any_swept) return;
   if (!find_fast(model, state, tick.parallel, bounds, work_.is_fast) && !settings.locate_impacts) return;
   const std::size_t count = tick.pairs.size();

@@ -8,14 +8,14 @@
 
 namespace ticktrue::engine::TICKTRUE_PRECISION {
 
-/// Two shapes that may hit in this tick in a way that the contact solver would miss.
+/// Two shapes that may hit in this tick, where the contact solver alone would miss the impact.
 struct ImpactPair {
   std::uint32_t body_a, body_b;    // rows
   std::uint32_t shape_a, shape_b;  // in Model::shapes
   Real friction, restitution;
-  bool is_fast;     // may pass through in a substep
-  bool is_located;  // false: the pair is only close to an impact, and stops
-  Real slow;        // m/s: slower touching pairs without restitution are the contact solver's; < 0: no pair is
+  bool is_fast;     // may pass through each other in a substep
+  bool is_located;  // false: the pair is only close to an impact, and its bodies stop
+  Real slow;        // m/s; the contact solver has slower touching pairs without restitution; < 0: no pair
   bool is_done;     // for this substep
   Real time;        // s from the start of the substep; no_impact: none
   Vec2 normal;      // from A to B, at that moment

@@ -14,12 +14,12 @@ namespace {
 constexpr Real no_impact = Real(1e30);
 constexpr int advance_count_max = 48;
 constexpr Real slow_share = Real(0.05);    // of the smaller shape in a tick: the contact solver has slower pairs
-constexpr Real rotation_max = Real(0.25);  // rad in a tick, likewise: the normal of a contact is constant
+constexpr Real rotation_max = Real(0.25);  // rad in a tick, likewise: the solver keeps the normal constant
 constexpr Real close_share = Real(0.005);  // of the smaller shape: the contact solver has closer slow pairs
-// Limit of impacts in a substep. Beyond it bodies stop where they are hit.
+// The limit of impacts in a substep grows with the number of pairs. Beyond the limit, bodies stop where they are hit.
 constexpr std::size_t impact_count_least = 32;
 constexpr std::size_t impacts_per_pair = 2;
-// Limit of searches for the next impact of a pair in a substep: each impact of a large body searches all its pairs.
+// The limit of searches for a next impact in a substep: each impact of a large body searches all pairs of this body.
 constexpr std::size_t search_count_least = 2048;
 constexpr std::size_t searches_per_pair = 64;
 
@@ -57,7 +57,7 @@ Vec2 relative_velocity(const Placement& a, const Placement& b, const ImpactPath&
          (velocity_at(path_a, time) + cross(path_a.angular_velocity, point - a.position));
 }
 
-/// The distance that counts as touching: the rounding of coordinates and a small share of the shapes' size.
+/// The separation up to which shapes touch: the rounding of coordinates, or a small share of the shapes' size.
 Real touch_tolerance(Real size, Vec2 a, Vec2 b) {
   const Real far = larger(larger(absolute(a.x), absolute(a.y)), larger(absolute(b.x), absolute(b.y)));
   return larger(Real(1e-6) * size, 8 * epsilon * far);
@@ -69,7 +69,7 @@ Real rotation_speed(const BodyModel& body, const ShapeModel& shape, const Impact
   return absolute(path.angular_velocity) * arm;
 }
 
-/// Whether the bounding circles of two shapes stay apart for `time_left`, so that no exact distance is needed.
+/// Whether the bounding circles of two shapes stay apart for `time_left`. The pair then needs no exact distance.
 bool stay_separated(const Placement& a, const Placement& b, const ShapeModel& shape_a, const ShapeModel& shape_b,
                     Real closing_max, Real time_left) {
   const Vec2 offset =
@@ -113,7 +113,7 @@ void find_impact(const SolvedSet& solved, const ImpactWorkspace& work, ImpactPai
   const Real acceleration = length(path_b.acceleration - path_a.acceleration);
   const Real threshold = static_cast<Real>(model.restitution_threshold);
   const Real size = pair_size(shape_a, shape_b);
-  // slow = slow_share size / dt, from which dt follows.
+  // slow = slow_share size / dt, which gives dt.
   const Real angular_speed = absolute(path_a.angular_velocity) + absolute(path_b.angular_velocity);
   const bool has_contact = pair.slow >= 0 && angular_speed * (slow_share * size) <= rotation_max * pair.slow;
   Real time = start;
@@ -128,8 +128,8 @@ void find_impact(const SolvedSet& solved, const ImpactWorkspace& work, ImpactPai
     Distance gap = distance(model, shape_a, a, shape_b, b);
     const EdgeNormal direction = edge_normal_of_pair(model, shape_a, a, shape_b, b, gap);
     const Real tolerance = touch_tolerance(size, a.position, b.position);
-    // Along a normal that a chain edge excludes, the shape may come closer until it touches. Then the edge's own normal
-    // counts.
+    // Along a normal that the chain edge excludes, the shape may come closer until it touches. The edge's own normal
+    // then applies.
     if (!direction.is_allowed && gap.separation <= tolerance) {
       if (!direction.in_front) return;
       gap.normal = direction.normal;
@@ -138,16 +138,16 @@ void find_impact(const SolvedSet& solved, const ImpactWorkspace& work, ImpactPai
     if (gap.separation <= close_distance) {
       const Real closing = -dot(relative_velocity(a, b, path_a, path_b, gap.point, time), gap.normal);
       const bool bounces = pair.restitution > 0 && closing > threshold;
-      // A slow pair without restitution that cannot pass through is the contact solver's. As impacts, the two ends of a
-      // body that slides between a floor and a wall would hit in turn without end. At a corner of a chain the edge
+      // The contact solver has slow pairs without restitution that cannot pass through. As impacts, the two ends of a
+      // body that slides between a floor and a wall would hit in turn without end. At a corner of a chain, the edge
       // below the shape has the contact, with friction; this edge stops only fast shapes.
       if (!direction.is_allowed && !bounces && closing * h <= slow_share * size) return;
       const bool is_solvers = has_contact && !bounces && closing <= pair.slow;
       const bool touches = gap.separation <= tolerance;
       // There is also no impact if the rest of the substep is too short for the remaining gap.
       if (is_solvers || (touches && !(closing * (h - time) > tolerance))) {
-        // Another part of a spinning body may still hit. The search goes on after a rotation that is small for the
-        // thinner shape, unless that part cannot reach the middle of the thinner shape.
+        // Another part of a spinning body may still hit. The search continues after a rotation that is small for the
+        // thinner shape, unless no other part can reach the middle of the thinner shape.
         if (!pair.is_fast || !((spin + acceleration * (h - time)) * (h - time) > Real(0.1) * size)) return;
         time += Real(0.05) * size / (spin + acceleration * (h - time));
         if (!(time < h)) return;
@@ -180,7 +180,7 @@ void find_impact(const SolvedSet& solved, const ImpactWorkspace& work, ImpactPai
   }
 }
 
-/// Changes the velocity of a body at `time`, from which its path then starts.
+/// Changes the velocity of a body at `time`. The path of the body then starts there.
 void change_velocity(ImpactPath& path, Real time, Vec2 change, Real spin_change) {
   path.is_hit = true;
   if (path.is_stopped) {
@@ -196,7 +196,7 @@ void change_velocity(ImpactPath& path, Real time, Vec2 change, Real spin_change)
   path.time = time;
 }
 
-/// Stops a body at `time` for the rest of the substep: in the world, or on the kinematic body `carrier`.
+/// Stops a body at `time` for the rest of the substep: in the world, or relative to the kinematic body `carrier`.
 void stop(const State& state, std::uint32_t row, ImpactPath& path, Real time, const ImpactPath* carrier,
           std::uint32_t carrier_row) {
   if (path.is_stopped) return;
@@ -244,8 +244,8 @@ void resolve(const SolvedSet& solved, ImpactWorkspace& work, const ImpactPair& p
   };
   const Real tangent_velocity = dot(relative, tangent);
   Real tangent_impulse = friction_against(tangent_velocity);
-  // The normal impulse also rotates a body. Friction against the velocity before it may make the impact gain energy. In
-  // this case friction acts against the velocity after it, which never gains energy.
+  // The normal impulse also rotates a body. Friction against the velocity before the impulse may make the impact gain
+  // energy. In this case, friction acts against the velocity after the impulse, which never gains energy.
   const Real coupling = model_a.inv_inertia * cross(arm_a, tangent) * cross(arm_a, pair.normal) +
                         model_b.inv_inertia * cross(arm_b, tangent) * cross(arm_b, pair.normal);
   const Real tangent_velocity_after = tangent_velocity + normal_impulse * coupling;
@@ -286,7 +286,7 @@ void begin_path(const SolvedSet& solved, const DriftVelocities& drift, ImpactWor
   path.angular_velocity = body.angular_velocity - spin_offset;
 }
 
-/// Sets velocity and corrections of a body that was hit, so that the integrator's drift brings it to the end of its
+/// Sets velocity and corrections of a body that was hit. The integrator's drift then brings the body to the end of its
 /// path.
 void end_path(const SolvedSet& solved, DriftVelocities& drift, ImpactWorkspace& work, std::uint32_t row) {
   const Model& model = solved.model;
@@ -301,7 +301,7 @@ void end_path(const SolvedSet& solved, DriftVelocities& drift, ImpactWorkspace& 
   const Real spin_offset = offset_now.angular;
   const Vec2 delta_position = delta_position_at(path, h);
   const Real angle = path.angle + (h - path.time) * path.angular_velocity;
-  // At the end of a substep, schemes store a velocity that differs from the true one by `offset - h a / 2`.
+  // The velocity that a scheme stores at the end of a substep differs from the true one by `offset - h a / 2`.
   const Vec2 true_end = path.is_stopped ? path.saved_velocity : velocity_at(path, h);
   const Vec2 acceleration = path.is_stopped ? path.saved_acceleration : path.acceleration;
   const Vec2 velocity = (true_end + offset) - (Real(0.5) * h) * acceleration;
@@ -394,7 +394,7 @@ bool is_left_to_impacts(const Model& model, const State& state, const TickLists&
   const Real tolerance = touch_tolerance(pair.size, a.position, b.position);
   for (int i = 0; i < pair.manifold.point_count; ++i) {
     const ManifoldPoint& point = pair.manifold.points[i];
-    if (point.separation > tolerance) continue;  // what closes this gap in the tick is an impact
+    if (point.separation > tolerance) continue;  // closing this gap in the tick is an impact
     const Vec2 velocity = (b.velocity + cross(b.angular_velocity, point.anchor_b)) -
                           (a.velocity + cross(a.angular_velocity, point.anchor_a));
     const Real closing = -dot(velocity, pair.manifold.normal);
@@ -460,7 +460,7 @@ void apply_impacts(const SolvedSet& solved, std::vector<ImpactPair>& impacts, Dr
     if (left > 0 && searches_left > 0 && hit.is_located) {
       --left;
     } else {
-      // Each iteration stops a body, or is the last of its pair.
+      // Each iteration stops a body, or is the last iteration of its pair.
       bool stopped = false;
       for (const std::uint32_t row : {hit.body_a, hit.body_b}) {
         if (!is_dynamic(model, state, row)) continue;

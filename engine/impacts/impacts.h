@@ -1,9 +1,9 @@
 // Impacts located in time: fast bodies that would pass through others within a substep, and exact bounces.
 // SPDX-License-Identifier: MIT
 //
-// Within a substep bodies follow parabolas. The earliest impact gets its impulse, the two bodies continue from there,
-// and so on until no impact is left. Impacts of one substep thus happen in their order. Resting and sliding contacts
-// are the contact solver's.
+// Within a substep, bodies follow parabolas. The earliest impact gets its impulse, and the two bodies continue from
+// there, until no impact is left. Impacts of one substep thus happen in order of time. The contact solver has resting
+// and sliding contacts.
 #pragma once
 
 #include <cstdint>
@@ -19,16 +19,17 @@ struct SolvedSet;
 struct State;
 struct TickLists;
 
-/// Whether a contact that bounces is none of the contact solver's, in a scene whose impacts are located: all are but
-/// those that carry a force, or touch and close too slowly to bounce. The solver would brake what is about to bounce,
-/// to the speed at which it just gets there in a substep. `contact`: in TickLists::contact_pairs and State::contacts.
+/// Whether the contact solver leaves a contact that bounces to the impacts, in a scene whose impacts are located. It
+/// keeps contacts that carry a force, and contacts that touch and close too slowly to bounce. The solver would brake a
+/// body that is about to bounce to the speed at which it just arrives in a substep. `contact`: in
+/// TickLists::contact_pairs and State::contacts.
 bool is_left_to_impacts(const Model& model, const State& state, const TickLists& tick, std::uint32_t contact);
-/// ImpactPair::slow of a pair. `contact`: as above, or the number of contacts if the pair has none.
+/// ImpactPair::slow of a pair. `contact`: as for is_left_to_impacts, or the number of contacts if the pair has none.
 Real slow_closing(const Model& model, const State& state, const TickLists& tick, const ImpactPair& pair,
                   std::uint32_t contact, Real dt);
 
 struct ImpactWorkspace {
-  std::vector<ImpactPath> paths;         // [body], of those in the pairs
+  std::vector<ImpactPath> paths;         // [body], for bodies of the pairs
   std::vector<std::uint32_t> hit_rows;   // in the present substep
   std::vector<std::uint32_t> active;     // pairs of the set that is being solved
   std::vector<ImpactEvent> events;       // a heap, earliest first

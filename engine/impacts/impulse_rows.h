@@ -19,7 +19,7 @@ struct ActiveRow {
   double stiffness;                  // kg
   double impulse, change;            // N s
   double friction;                   // coefficient
-  bool is_friction;                  // the row before is its normal
+  bool is_friction;                  // the row before it is the normal of the same point
 };
 
 /// All active contacts of a set, solved at once.

@@ -6,9 +6,9 @@
 // Proximal Point Algorithm", 1976.
 //
 // J are the rows of the active contacts, l their impulses, v the velocities and r = J v - wanted. J M^-1 J^T is
-// singular (two points hold a box that four rows describe). Each row therefore has a small compliance E, and the
-// remaining residual is solved again: (M + J^T E^-1 J) dv = -J^T E^-1 r, dl = -E^-1 (r + J dv). In doubles, since E is
-// far below the precision of a float.
+// singular: two points, which four rows describe, hold a box. Each row therefore has a small compliance E, and the
+// remaining residual is solved again: (M + J^T E^-1 J) dv = -J^T E^-1 r, dl = -E^-1 (r + J dv). The solution is in
+// doubles, since E is far below the precision of a float.
 #include "engine/impacts/impulse_step.h"
 
 #include <algorithm>
@@ -177,7 +177,7 @@ void find_places(const SolverBodies& bodies, ImpulseStep& out) {
   }
 }
 
-/// Makes M + J^T E^-1 J, each row from its first entry that is not zero. False: too wide.
+/// Builds M + J^T E^-1 J, each row from its first nonzero entry. False: the envelope is too wide.
 bool make_system(const SolverBodies& bodies, ImpulseStep& out) {
   const std::size_t size = 3 * out.bodies.size();
   out.first.resize(size);
@@ -269,7 +269,7 @@ void find_changes(ImpulseStep& out) {
   }
 }
 
-/// The largest share of the changes with which every row stays active.
+/// The largest step, as a share of the changes, for which every row stays active.
 double longest_step(const ImpulseStep& out) {
   double step = 1;
   double normal = 0, normal_change = 0;
@@ -313,7 +313,7 @@ void cut_changes(ImpulseStep& out) {
   }
 }
 
-/// The change of the energy that passes minimize.
+/// The increase of the energy that the passes minimize.
 double added_energy(const ImpulseStep& out) {
   double sum = 0;
   for (const ActiveRow& row : out.rows) sum += row.change * (row.residual + 0.5 * speed_along(row, out.velocity));

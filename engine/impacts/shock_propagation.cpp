@@ -11,12 +11,12 @@
 namespace ticktrue::engine::TICKTRUE_PRECISION {
 namespace {
 
-constexpr Real settled_share = Real(1e-5);  // of the allowed way: a smaller change of speed is none
+constexpr Real settled_share = Real(1e-5);  // relative to the allowed motion: smaller changes of speed do not count
 constexpr int passes_per_check = 8;
-// Limits of the work: in a large pile a body would wait long for neighbours far away.
+// Limits of the work. In a large pile, the propagation to far neighbours would take long.
 constexpr std::uint32_t check_count_max = 2048;
 constexpr std::uint32_t contacts_solved_max = 1u << 18;
-// A check takes as much as so many contacts beside those that it solves.
+// A check costs as much as solving this many more contacts.
 constexpr std::uint32_t work_beside = 64;
 
 Real closing_now(const SolvedSet& solved, const RestingImpact& impact) {

@@ -1,9 +1,9 @@
 // Shock propagation: a body that hits a pile at rest is stopped by the whole pile within one substep.
 // SPDX-License-Identifier: MIT
 //
-// One pass per substep propagates an impact through few contacts only. Meanwhile the boxes of a tower move with a share
-// of its speed. In a substep with an impact, the contacts of the island are therefore solved, rigid, until velocities
-// converge. Only with automatic substeps.
+// One pass per substep propagates an impact through a few contacts only. Meanwhile the boxes of a tower move with a
+// share of its speed. In a substep with an impact, rigid passes therefore solve the contacts of the island until
+// velocities converge. Only with automatic substeps.
 #pragma once
 
 #include "engine/contacts/contact_batch.h"
@@ -23,13 +23,12 @@ void list_fields(ShockWorkspace& of, const Visit& visit) {
   visit(velocities, step);
 }
 
-/// Saves how fast resting impacts close, and the impulses of all contacts. Call before contacts are warm started.
-/// `impacts`: TickLists::resting_impacts.
+/// Saves the closing speeds of resting impacts, and the impulses of all contacts. Call before contacts are warm
+/// started. `impacts`: TickLists::resting_impacts.
 void begin_resting_impacts(const SolvedSet& solved, std::vector<RestingImpact>& impacts, ContactBatches& contacts);
-/// If a resting impact has hit in the pass before: the change of speed, m/s, below which the shock has propagated. Else
-/// 0.
+/// The change of speed, m/s, below which the shock has propagated; 0 if no resting impact hit in the last pass.
 Real settled_speed(const SolvedSet& solved);
-/// Rigid passes until no body's velocity changes by more than `settled`; none for 0. `work_left`:
+/// Rigid passes until no velocity of a body changes by more than `settled`; no pass for 0. `work_left`:
 /// TickLists::shock_work_left.
 void propagate_shock(const SolvedSet& solved, Real settled, std::uint32_t& work_left, ContactBatches& contacts,
                      ShockWorkspace& work);
