@@ -8,11 +8,11 @@
 namespace ticktrue::engine::TICKTRUE_PRECISION {
 namespace {
 
-// An impulse up to this many times as large as the velocity change by forces counts as a force. This is enough for the
-// friction of a sliding body. An impact then moves a body at most this times g h^2 / 2 too far.
+// An impulse counts as a force up to this multiple of the velocity change by forces. The friction of a sliding body
+// stays below. An impact then moves a body at most this multiple of g h^2 / 2 too far.
 constexpr Real force_like = 4;
 
-/// Of gravity, this tick's inputs and constant force elements. Requires: the body is dynamic.
+/// The acceleration by gravity, this tick's inputs and constant force elements. Requires: the body is dynamic.
 [[gnu::always_inline]] inline Twist constant_acceleration(const SolvedSet& solved, std::size_t row) {
   const std::uint32_t source = solved.state.bodies[row].source;
   const BodyModel& body = solved.model.bodies[source];
@@ -36,7 +36,7 @@ void FreeMotionCache::rebuild(const Model& model, Real h) {
   for (const BodyModel& body : model.bodies) {
     Decay linear = decay_over(step * static_cast<double>(body.linear_damping));
     Decay angular = decay_over(step * static_cast<double>(body.angular_damping));
-    if (h < 0) {  // backwards in time damping is growth
+    if (h < 0) {  // backwards in time, damping is growth
       linear = {1 / linear.factor, linear.mean / linear.factor};
       angular = {1 / angular.factor, angular.mean / angular.factor};
     }

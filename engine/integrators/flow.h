@@ -7,7 +7,7 @@
 
 namespace ticktrue::engine::TICKTRUE_PRECISION {
 
-/// Takes what integrators keep in the state, and puts it back.
+/// Loads the state columns of integrators, and stores them.
 void begin_motion(const State& state, MotionWorkspace& work);
 void store_motion(const MotionWorkspace& work, State& state);
 
@@ -20,10 +20,10 @@ void step_velocities(const SolvedSet& solved, MotionWorkspace& work);
 /// x' = x + h v.
 void move_bodies(const SolvedSet& solved, Real h);
 
-/// Whether a substep is step_velocities and move_bodies, independently for each body.
+/// Whether a substep consists of step_velocities and move_bodies, independently for each body.
 bool bodies_step_alone(const Model& model);
-/// All substeps of the set's bodies without constraints, some bodies at a time, so that they stay in the nearest cache.
-/// Requires: bodies_step_alone, prepare_velocity_steps.
+/// All substeps of the set's bodies without constraints, a few bodies at a time, so that they stay in the nearest
+/// cache. Requires: bodies_step_alone, prepare_velocity_steps.
 void integrate_freely(const SolvedSet& solved, const MotionWorkspace& work);
 
 /// Fills work.constant_accelerations, for total_accelerations.
@@ -36,26 +36,28 @@ void total_accelerations(const SolvedSet& solved, MotionWorkspace& work, Real dr
 /// Saves the present records in work.stages, as the start of the substep.
 void save_start(const SolvedSet& solved, MotionWorkspace& work);
 
-/// Saves the present velocity as the end velocity of the substep without constraints, and the drift velocity, for
-/// move_bodies_by_drift.
+/// Saves two velocities for move_bodies_by_drift: the present one, which is the end velocity of the substep without
+/// constraints, and the drift velocity.
 inline void drift_with(const SolvedSet& solved, MotionWorkspace& work, std::size_t row, Twist drift) {
   const MovingBody& body = solved.bodies.records[row];
   work.drift.predicted[row] = {body.velocity, body.angular_velocity};
   work.drift.offsets[row] = {body.velocity - drift.linear, body.angular_velocity - drift.angular};
 }
 
-/// How much less a force changes the drift velocity than the end velocity: of drift_on_mean and drift_on_start.
+/// The difference between the effect of a force on the end velocity and on the drift velocity, as a share: of
+/// drift_on_mean and drift_on_start.
 inline constexpr Real share_of_mean = Real(0.5);
 inline constexpr Real share_of_start = 1;
 
 /// The drift velocity plus the changes by constraints since predict. An impulse that acts like a force (a resting
-/// contact) changes the drift velocity as a force would: by `share` less than the end velocity. A much larger one (an
-/// impact) changes both alike, and so do joints that are solved directly.
+/// contact) changes the drift velocity as a force would: by `share` less than the end velocity. A much larger impulse
+/// (an impact) changes both velocities alike. So do joints that are solved directly.
 Twist drift_velocity(const MotionWorkspace& work, std::size_t row, const MovingBody& body, Real share);
-/// x' = x + h d, with d as above.
+/// x' = x + h d, with d from drift_velocity.
 void move_bodies_by_drift(const SolvedSet& solved, MotionWorkspace& work, Real h, Real share);
 
-/// The drift of schemes whose drift velocity takes half of a constant acceleration, and of those where it takes none.
+/// The drift of schemes whose drift velocity takes half of a constant acceleration, and of schemes whose drift velocity
+/// takes none.
 void drift_on_mean(const SolvedSet& solved, MotionWorkspace& work, Real h);
 void drift_on_start(const SolvedSet& solved, MotionWorkspace& work, Real h);
 

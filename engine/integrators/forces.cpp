@@ -2,8 +2,8 @@
 // SPDX-License-Identifier: MIT
 // Source: Hairer, Lubich, Wanner, "Geometric Numerical Integration", 2006, section II.5 (splitting into exact flows).
 //
-// Quadratic drag: u' = -k |u| u has the solution u(t) = u / (1 + k |u| t). A damper takes the relative velocity along
-// its line down by exp(-d t / m), m the effective mass of that velocity.
+// Quadratic drag: u' = -k |u| u has the solution u(t) = u / (1 + k |u| t). A damper multiplies the relative velocity
+// along its line by exp(-d t / m), with m the effective mass of this velocity.
 #include "engine/integrators/forces.h"
 
 #include "engine/math/exponential.h"
@@ -200,7 +200,7 @@ void add_forces(Model& model) {
 
 namespace {
 
-/// Whether a spring acts on bodies of the set that is being solved; both ends are of one island.
+/// Whether a spring acts on bodies of the present set. Both bodies of a spring are in one island.
 bool is_in_set(const SolvedSet& solved, const SpringForce& spring, std::size_t row_a) {
   if (solved.has_body(row_a)) return true;
   if (spring.other == no_reference) return false;

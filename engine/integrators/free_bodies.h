@@ -1,4 +1,4 @@
-// Bodies that nothing constrains in a tick: they take their substeps by themselves.
+// Bodies without constraints in a tick take their substeps independently.
 // SPDX-License-Identifier: MIT
 #pragma once
 
@@ -8,7 +8,7 @@
 namespace ticktrue::engine::TICKTRUE_PRECISION {
 
 struct FreeBodies {
-  std::vector<std::uint8_t> is_constrained;  // [body] something touches it in this tick, or may
+  std::vector<std::uint8_t> is_constrained;  // [body] something touches the body in this tick, or may touch it
   std::vector<std::uint32_t> rows;           // of the set that is being solved
 };
 
@@ -18,7 +18,8 @@ void list_fields(FreeBodies& of, const Visit& visit) {
   visit(is_constrained, rows);
 }
 
-/// Finds the bodies with contacts or impacts in this tick. False: it does not pay, or bodies interact in other ways.
+/// Finds the bodies with contacts or impacts in this tick. False: separate integration does not pay, or bodies interact
+/// in other ways.
 bool find_constrained(const Model& model, const State& state, const TickLists& tick, FreeBodies& free);
 /// Integrates the unconstrained bodies of the set through all substeps and leaves the others in solved.rows. Reorders
 /// TickLists::set_rows. Requires: find_constrained, and the integrator has begun.

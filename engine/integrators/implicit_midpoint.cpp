@@ -4,11 +4,11 @@
 // Source: Hairer, Lubich, Wanner, "Geometric Numerical Integration", 2006, section VIII.6 (Newton iteration); Hestenes
 // and Stiefel, "Methods of conjugate gradients for solving linear systems", 1952.
 //
-// The unknown is v_m: M (v_m - v) = h / 2 F(x + h / 2 v_m, v_m). Newton's matrix A = M - h / 2 dF/dv - h^2 / 4 dF/dx is
-// kept positive definite by leaving out terms of falling forces (the sideways force of a compressed spring, an
-// attraction that weakens with distance). This only slows the iteration. The linear equations are solved by conjugate
-// gradients to 1e-3. The iteration ends when positions change by less than 64 epsilon of their size, after 60
-// iterations at the latest; the substep is then counted as unconverged.
+// The unknown is v_m: M (v_m - v) = h / 2 F(x + h / 2 v_m, v_m). Newton's matrix is A = M - h / 2 dF/dv - h^2 / 4
+// dF/dx. It leaves out terms of falling forces (the sideways force of a compressed spring, an attraction that weakens
+// with distance). A then stays positive definite, and the iteration is only slower. Conjugate gradients solve the
+// linear equations to 1e-3. The iteration ends when positions change by less than 64 epsilon of their size, at the
+// latest after 60 iterations. The substep then counts as unconverged.
 #include <limits>
 
 #include "engine/integrators/flow.h"
@@ -34,8 +34,8 @@ Twist zero_if_fixed(Twist value, const BodyModel* body) {
   return {value.linear, body->inv_inertia > 0 ? value.angular : Real(0)};
 }
 
-/// Model of the record's body; null for dummy records and for bodies of no set or another one. Their equations are not
-/// solved here, and their rows of `stages` and `accelerations` are not of this tick.
+/// The model of the record's body; null for dummy records and for bodies outside of the set. This set does not solve
+/// their equations, and their rows of `stages` and `accelerations` are not of this tick.
 const BodyModel* body_of(const SolvedSet& solved, std::size_t record) {
   const bool is_in = record < solved.state.bodies.size() && solved.has_body(record);
   return is_in ? &solved.model.bodies[solved.state.bodies[record].source] : nullptr;
@@ -56,7 +56,7 @@ Real central_stiffness(const SolvedSet& solved, const MotionWorkspace& work, std
   return Real(0.25) * h * h * sum * solved.model.bodies[solved.state.bodies[row].source].mass;
 }
 
-/// The matrix A at the present poses: its part for single bodies and a block for each spring.
+/// Fills the matrix A at the present poses: its part for single bodies and a block for each spring.
 void linearise(const SolvedSet& solved, MotionWorkspace& work, Real h) {
   std::vector<Twist>& diagonals = work.newton[diagonal];
   const Real half = Real(0.5) * h;
@@ -118,7 +118,7 @@ Real product_of(const std::vector<Twist>& a, const std::vector<Twist>& b, std::s
   return sum;
 }
 
-/// Solves A solution = residual by conjugate gradients, preconditioned with the single bodies' part.
+/// Solves A solution = residual by conjugate gradients. The preconditioner is the part of the single bodies.
 void solve_linear(const SolvedSet& solved, MotionWorkspace& work) {
   auto& scale = work.newton[0];
   auto& x = work.newton[1];
@@ -165,7 +165,7 @@ void solve_linear(const SolvedSet& solved, MotionWorkspace& work) {
   }
 }
 
-/// Moves bodies to the middle of the substep with the present velocities, which are those of the middle.
+/// Moves bodies to the middle of the substep. Requires: the present velocities are the velocities of the middle.
 void move_to_middle(const SolvedSet& solved, MotionWorkspace& work, Real h) {
   for (const std::uint32_t row : solved.rows) {
     MovingBody& body = solved.bodies.records[row];
@@ -175,7 +175,7 @@ void move_to_middle(const SolvedSet& solved, MotionWorkspace& work, Real h) {
   }
 }
 
-/// What rounding of positions is measured against, m: lengths of springs, distances to centres, at least 1.
+/// The reference length for the rounding of positions, m: lengths of springs, distances to centres, at least 1.
 Real size_of_system(const SolvedSet& solved, const MotionWorkspace& work) {
   Real size = 1;
   for (const SpringRow& spring : work.springs) {
@@ -216,7 +216,7 @@ Real newton_iteration(const SolvedSet& solved, MotionWorkspace& work, Real h, Re
     const Real allowed_angle = newton_tolerance * (1 + h * absolute(body.angular_velocity));
     const Real ratio = h * (absolute(change.linear.x) + absolute(change.linear.y)) / allowed;
     const Real angle_ratio = h * absolute(change.angular) / allowed_angle;
-    worst = ratio <= worst ? worst : ratio;  // NaN stays
+    worst = ratio <= worst ? worst : ratio;  // a NaN stays
     worst = angle_ratio <= worst ? worst : angle_ratio;
   }
   return worst;

@@ -1,9 +1,9 @@
 // Integrators: the change of velocities and positions over one step of length h, without constraints.
 // SPDX-License-Identifier: MIT
 //
-// A solver calls begin once per tick, then predict and drift once per substep. predict computes velocities of the end
-// of the substep, constraints correct them, and drift moves bodies. Most schemes move bodies with a velocity other than
-// the end velocity; changes by constraints enter it as a force would (flow.h).
+// A solver calls begin once per tick, then predict and drift once per substep. predict computes the velocities at the
+// end of the substep, constraints correct them, and drift moves bodies. Most schemes move bodies with a velocity other
+// than the end velocity. Constraints change that velocity as a force would (flow.h).
 #pragma once
 
 #include "engine/integrators/motion_rows.h"

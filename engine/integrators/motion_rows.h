@@ -1,4 +1,4 @@
-// Bodies and springs as integrators see them.
+// Bodies and springs in the layout of integrators.
 // SPDX-License-Identifier: MIT
 #pragma once
 
@@ -44,7 +44,7 @@ struct SpringRow {
   Real stiffness, damping, rest_length;
 };
 
-/// One spring in the linearised equations of implicit_midpoint.
+/// The block of one spring in the linearised equations of implicit_midpoint.
 struct SpringBlock {
   std::uint32_t body_a;
   std::uint32_t body_b;
@@ -74,11 +74,11 @@ class FreeMotionCache final : public TickCache {
   bool valid_for(Real h) const { return h_ == h; }
   void rebuild(const Model& model, Real h);
 
-  Real h_ = 0;                    // s; 0: none
+  Real h_ = 0;                    // s; 0: no rows
   std::vector<FreeMotion> rows_;  // [source]
 };
 
-/// What the steps of all bodies follow from, beside the forces of a tick's inputs.
+/// The inputs of the steps of all bodies, beside the forces of a tick's inputs.
 struct VelocityStepKey {
   std::uint32_t body_generation = 0;
   Vec2 gravity{0, 0};  // m/s^2
@@ -94,7 +94,7 @@ struct VelocityStepKey {
 class VelocitySteps final : public TickCache {
  public:
   VelocitySteps() : TickCache(CacheKind::velocity_steps) {}
-  /// Makes the steps unless they hold: step_of(row). `may_keep`: the key tells all that they follow from.
+  /// Makes the steps by step_of(row) unless they are valid. `may_keep`: the key determines the steps.
   template <typename StepOf>
   void follow(const VelocityStepKey& key, bool may_keep, const Parallel& parallel, std::size_t body_count,
               const StepOf& step_of) {
@@ -123,11 +123,11 @@ class VelocitySteps final : public TickCache {
   std::vector<VelocityStep> rows_;  // [body]
 };
 
-/// Velocities of schemes that move bodies with another velocity than that of the end of the substep.
+/// Velocities of schemes that move bodies with a velocity other than the end velocity of the substep.
 struct DriftVelocities {
   std::vector<Twist> predicted;      // [body] velocity at the end of the substep, without constraints
   std::vector<Twist> offsets;        // [body] velocity at the end of the substep, less the drift velocity
-  std::vector<Twist> joint_changes;  // [body] by joints since predict, which the drift takes whole; empty: none
+  std::vector<Twist> joint_changes;  // [body] by joints since predict, with full effect on the drift; empty: none
 };
 
 template <typename Visit>
@@ -136,7 +136,7 @@ void list_fields(DriftVelocities& of, const Visit& visit) {
   visit(predicted, offsets, joint_changes);
 }
 
-/// What integrators work in, and what they cache.
+/// The workspace and the caches of integrators.
 struct MotionWorkspace {
   FreeMotionCache free_motion;
   VelocitySteps velocity_steps;
@@ -145,7 +145,7 @@ struct MotionWorkspace {
   std::vector<Twist> accelerations;           // [record] at the present stage
   std::vector<Twist> previous_accelerations;  // [body] of the substep before; empty unless the integrator needs them
   std::vector<StageRow> stages;               // [body]
-  std::vector<SpringRow> springs;             // [spring whose bodies are there]
+  std::vector<SpringRow> springs;             // [spring whose bodies exist]
   std::vector<std::uint32_t> central_rows;    // [central force] row of its one body, or no_reference
   std::vector<SpringBlock> spring_blocks;
   std::array<std::vector<Twist>, 5> newton;  // [record] diagonal, solution, residual, direction, product

@@ -1,8 +1,8 @@
 // Position Verlet: half a drift, a kick, half a drift. Order 2, symplectic, stable for w h < 2.
 // SPDX-License-Identifier: MIT
 // Source: Hairer, Lubich, Wanner, "Geometric numerical integration illustrated by the Stormer-Verlet method", Acta
-// Numerica 2003. The kick takes linear damping exactly; quadratic drags and dampers flow for h / 2 before and,
-// mirrored, after it. The two half drifts are one with the mean velocity: x' = x + h (v + v') / 2.
+// Numerica 2003. The kick treats linear damping exactly. Quadratic drags and dampers flow for h / 2 before the kick
+// and, mirrored, after it. The two half drifts are one drift with the mean velocity: x' = x + h (v + v') / 2.
 #include "engine/integrators/flow.h"
 #include "engine/integrators/integrator.h"
 

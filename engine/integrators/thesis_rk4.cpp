@@ -1,7 +1,7 @@
 // Runge-Kutta as the thesis prints it: order 1, oscillations grow at every step.
 // SPDX-License-Identifier: MIT
-// Source: Claes, graduation work, DAE Howest, 2024, figure 6: k2v = (a + k1v / 2) h and so on. Forces are sampled once,
-// and half a change of velocity is added to an acceleration, so gravity is too strong by h / 2 and more (in SI units).
+// Source: Claes, graduation work, DAE Howest, 2024, figure 6: k2v = (a + k1v / 2) h and so on. Forces are sampled once.
+// Half a change of velocity is added to an acceleration, so gravity is too strong by h / 2 and more (in SI units).
 #include "engine/integrators/flow.h"
 #include "engine/integrators/integrator.h"
 

@@ -1,8 +1,9 @@
-// Verlet as the thesis has it: order 1, oscillations grow at every step.
+// Verlet as the thesis prints it: order 1, oscillations grow at every step.
 // SPDX-License-Identifier: MIT
 // Source: Claes, graduation work, DAE Howest, 2024, figure 5: x' = x + h v + h^2 a_n / 2, v' = v + h (a_n + a_n-1) / 2.
-// Forces are sampled once, at the start; the velocity takes the acceleration of the step before where velocity Verlet
-// takes that of the new positions, and the first step has none: half a step of gravity is missing for good.
+// Forces are sampled once, at the start. The velocity takes the acceleration of the step before, where velocity Verlet
+// takes the acceleration at the new positions. The first step has no step before: half a step of gravity is missing for
+// good.
 #include "engine/integrators/flow.h"
 #include "engine/integrators/integrator.h"
 

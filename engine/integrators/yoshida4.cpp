@@ -1,7 +1,7 @@
 // Yoshida's composition of three velocity Verlet steps. Order 4, symplectic, stable for w h < 1.5734.
 // SPDX-License-Identifier: MIT
 // Source: Yoshida, "Construction of higher order symplectic integrators", Physics Letters A 150, 1990, eq. 4.4. The
-// middle step goes backwards in time, where damping is growth: strong damping (c h of some tens) overflows.
+// middle step goes backwards in time, where damping is growth. Strong damping (c h of some tens) therefore overflows.
 #include "engine/integrators/flow.h"
 #include "engine/integrators/integrator.h"
 
