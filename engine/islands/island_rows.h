@@ -21,9 +21,9 @@ struct Support {
   Real compliance;          // m/N at four substeps
   Real force;               // N, of the last tick; 0 where loads are not measured
   Real arm, other_arm;      // of a joint, from the two centres of mass, m; of a contact 0
-  Vec2 middle;              // of a contact, or a joint's anchor, from the body's centre of mass, m
-  Real half_width2;         // of a contact with two points, m^2; else 0
-  Real angular_compliance;  // of a row of the angle, rad/(N m) at four substeps; else 0
+  Vec2 middle;              // of a contact or a joint's anchor, from the body's centre of mass, m
+  Real half_width2;         // of a contact with two points, m^2; otherwise 0
+  Real angular_compliance;  // of a contact with two points or a rigid weld, rad/(N m) at four substeps; otherwise 0
 };
 
 /// The error of a body that tilts with its support.
@@ -48,7 +48,7 @@ struct SolverSet {
   std::uint32_t first_run = 0, run_end = 0;
 };
 
-/// What moves a body less in a substep, of the allowed way, is no impact.
+/// An approach by less than this share of the allowed motion per substep is no impact.
 inline constexpr Real resting_impact_share = Real(0.05);
 
 /// A contact that hits a body at rest in this tick.

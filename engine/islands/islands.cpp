@@ -14,7 +14,7 @@ namespace ticktrue::engine::TICKTRUE_PRECISION {
 namespace {
 
 /// find_root while other threads unite: the result may no longer be a root. Path halving is safe, since the parent of a
-/// row that is no root only moves towards the root.
+/// row that is not a root only moves towards the root.
 std::uint32_t find_root_shared(std::vector<std::uint32_t>& parent, std::uint32_t row) {
   for (;;) {
     const std::uint32_t next = __atomic_load_n(&parent[row], __ATOMIC_RELAXED);
@@ -25,7 +25,7 @@ std::uint32_t find_root_shared(std::vector<std::uint32_t>& parent, std::uint32_t
   }
 }
 
-/// unite while other threads do: the roots are the same in any order.
+/// unite while other threads unite: the roots are the same in any order.
 void unite_shared(std::vector<std::uint32_t>& parent, std::uint32_t a, std::uint32_t b) {
   for (;;) {
     const std::uint32_t root_a = find_root_shared(parent, a);
@@ -61,7 +61,7 @@ void unite_by_contacts(TickLists& tick, IslandWork& work) {
   });
 }
 
-/// Unites what hangs together.
+/// Unites dynamic bodies that contacts, impacts, joints or springs connect.
 void unite_bodies(const Model& model, const State& state, TickLists& tick, IslandWork& work) {
   const std::size_t count = state.bodies.size();
   tick.island_parent.resize(count);
@@ -111,11 +111,11 @@ bool find_types(const Model& model, const State& state, TickLists& tick, IslandW
   });
 }
 
-/// Keeps awake what something kinematic that moves touches or holds.
+/// Resets the idle timers of bodies that a moving kinematic body touches, or holds by a joint or spring.
 void disturb(const Model& model, State& state, TickLists& tick, IslandWork& work) {
   const std::size_t count = state.bodies.size();
   const auto meet = [&](std::uint32_t a, std::uint32_t b) {
-    Real none = 0;  // by several contacts of a body at once
+    Real none = 0;  // several contacts of a body may write at once
     if (disturbs(state, work, b)) __atomic_store(&state.sleep[a].calm, &none, __ATOMIC_RELAXED);
     if (disturbs(state, work, a)) __atomic_store(&state.sleep[b].calm, &none, __ATOMIC_RELAXED);
   };
@@ -149,7 +149,7 @@ void wake(SleepRow& sleep) {
   sleep.asleep = 0;
 }
 
-/// Wakes what is pulled or disturbed, and all bodies if none may sleep. True if they are awake.
+/// Resets the idle timers of dragged and disturbed bodies. Wakes all bodies if no body may sleep; true in this case.
 bool stay_awake(const Model& model, State& state, TickLists& tick, IslandWork& work, bool some_disturb) {
   if (!model.scene.settings.sleep) return true;
   for (const PointerRow& pointer : state.pointers) state.sleep[state.find_body(pointer.body)].calm = 0;
@@ -162,7 +162,7 @@ bool stay_awake(const Model& model, State& state, TickLists& tick, IslandWork& w
   return true;
 }
 
-/// Islands of which all bodies may sleep do. Requires: islands are united.
+/// An island sleeps if all its bodies may sleep. Requires: islands are united.
 void sleep_by_islands(const Model& model, State& state, TickLists& tick, IslandWork& work) {
   const std::size_t count = state.bodies.size();
   work.island_awake.assign(count, 0);
@@ -188,7 +188,7 @@ constexpr std::uint32_t key_of_all_sets = 1;
 constexpr std::uint32_t key_least = 2;
 constexpr std::uint32_t key_count = 2 * limits::substep_count_max + 2;
 
-/// work.set_keys: of groups, those of one substep first.
+/// Fills work.set_keys. Keys ascend with the number of substeps; sets with resting impacts come after sets without.
 void find_set_keys(TickLists& tick, IslandWork& work) {
   const std::size_t count = work.body_types.size();
   work.set_keys.resize(count);
@@ -221,7 +221,7 @@ void add_solver_set(const Model& model, const State& state, TickLists& tick, Isl
       const ContactPair& pair = tick.contact_pairs[i];
       const auto contact = static_cast<std::uint32_t>(i);
       const std::uint32_t of_a = work.set_keys[pair.body_a];
-      // Two dynamic bodies that touch are of one island.
+      // Dynamic bodies that touch are in the same island.
       if ((of_a < key_least ? work.set_keys[pair.body_b] : of_a) == key &&
           !is_left_to_impacts(model, state, tick, contact))
         out[count++] = contact;
@@ -238,8 +238,8 @@ void add_solver_set(const Model& model, const State& state, TickLists& tick, Isl
   tick.solver_sets.push_back(set);
 }
 
-/// Islands of equal substeps into one group each, fewest first; those with landings apart. Everything kinematic moves
-/// in each of them.
+/// Makes one solver set of the islands with equal substeps, fewest substeps first. Islands with resting impacts have
+/// their own set. Moving kinematic bodies are in every set.
 void make_solver_sets(const Model& model, const State& state, TickLists& tick, IslandWork& work) {
   tick.solver_sets.clear();
   tick.set_rows.clear();
@@ -247,7 +247,7 @@ void make_solver_sets(const Model& model, const State& state, TickLists& tick, I
   tick.body_solver_set.assign(state.bodies.size(), no_solver_set);
   find_set_keys(tick, work);
   bool in_use[key_count] = {};
-  in_use[2 * model.scene.settings.substeps] = true;  // always, for what is kinematic
+  in_use[2 * model.scene.settings.substeps] = true;  // always, for kinematic bodies
   for (const std::uint32_t key : work.set_keys) in_use[key] = true;
   for (std::uint32_t key = key_least; key < key_count; ++key)
     if (in_use[key]) add_solver_set(model, state, tick, work, key);
@@ -258,7 +258,7 @@ void make_solver_sets(const Model& model, const State& state, TickLists& tick, I
 void IslandFinder::run(const Model& model, State& state, TickLists& tick, Real dt) {
   const bool some_disturb = find_types(model, state, tick, work_);
   const bool all_awake = stay_awake(model, state, tick, work_, some_disturb);
-  // Islands make no difference while all bodies are awake and have equal substeps.
+  // While all bodies are awake and have equal substeps, islands have no effect.
   tick.has_solver_sets = !all_awake || model.scene.settings.auto_substeps;
   if (!tick.has_solver_sets) return;
   unite_bodies(model, state, tick, work_);

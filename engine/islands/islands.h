@@ -1,4 +1,4 @@
-// Islands as stages see them: connected bodies, named by their first row.
+// Islands of connected bodies, named by their first row, as stages use them.
 // SPDX-License-Identifier: MIT
 #pragma once
 
@@ -11,11 +11,11 @@
 
 namespace ticktrue::engine::TICKTRUE_PRECISION {
 
-/// What bodies carry, and how far that moves them at four substeps.
+/// The loads of bodies, and the resulting displacements at four substeps.
 struct LoadEstimate {
   std::vector<Real> load;            // [body] N
   std::vector<Real> position_error;  // [body] m
-  std::vector<Real> local_error;     // [body] against what carries it alone, relative to the size of the smaller
+  std::vector<Real> local_error;     // [body] at its nearest support alone, relative to the smaller body
 };
 
 template <typename Visit>
@@ -24,30 +24,30 @@ void list_fields(LoadEstimate& of, const Visit& visit) {
   visit(load, position_error, local_error);
 }
 
-/// What the search for islands works in during a tick.
+/// The workspace of the search for islands in a tick.
 struct IslandWork {
   std::vector<BodyType> body_types;        // [body]
-  std::vector<std::uint32_t> set_keys;     // [body] what decides its solver set
+  std::vector<std::uint32_t> set_keys;     // [body] the key of its solver set
   std::vector<std::uint8_t> island_awake;  // [body] at the island's first row
   std::vector<std::uint32_t> part_counts;  // [chunk]
   std::vector<Support> supports;
-  std::vector<std::uint32_t> support_start;  // [body] in `supports`
-  std::vector<std::uint32_t> support_depth;  // [body] steps from what carries it
+  std::vector<std::uint32_t> support_start;  // [body] steps from the ground or the heaviest floating body
+  std::vector<std::uint32_t> support_depth;  // [body] steps from the ground or the heaviest floating body
   std::vector<std::uint32_t> support_order;  // bodies by depth
-  std::vector<Real> joint_acceleration;      // [body] m/s^2, of the joints that it whirls at
-  std::vector<Vec2> load_moment;             // [body] N m, load times where it is
-  std::vector<Real> load_passed_on;          // [body] N, of what others have put on it
+  std::vector<Real> joint_acceleration;      // [body] m/s^2, of its joints by rotation
+  std::vector<Vec2> load_moment;             // [body] N m, the sum of supported loads times their positions
+  std::vector<Real> load_passed_on;          // [body] N, the load from other bodies
   std::vector<TiltError> tilt_errors;        // [body] expected at four substeps
-  LoadEstimate weights;                      // as weights and known forces tell
+  LoadEstimate weights;                      // from weights and known forces
   LoadEstimate measured;
-  std::vector<std::uint8_t> is_floating;      // [body] nothing immovable carries it; empty unless loads are measured
+  std::vector<std::uint8_t> is_floating;      // [body] no immovable body carries it; empty unless loads are measured
   std::vector<Real> known_force;              // [body] N, besides weights; empty unless loads are measured
-  std::vector<Real> measured_force;           // [body] N, of what carries it
-  std::vector<std::uint32_t> measured_level;  // likewise
-  std::vector<std::uint32_t> measured_level_before;  // likewise, of the tick before
+  std::vector<Real> measured_force;           // [body] N, of its carriers
+  std::vector<std::uint32_t> measured_level;  // [body] at the island's first row
+  std::vector<std::uint32_t> measured_level_before;  // [body] at the island's first row, of the tick before
   std::vector<IslandError> island_errors;            // [body] at the island's first row
   std::vector<std::uint32_t> substeps_before;        // [body] at the island's first row
-  std::vector<std::uint32_t> idle_ticks;             // likewise
+  std::vector<std::uint32_t> idle_ticks;             // [body] at the island's first row
 };
 
 template <typename Visit>
@@ -60,7 +60,7 @@ void list_fields(IslandWork& of, const Visit& visit) {
         measured_force, measured_level, measured_level_before, island_errors, substeps_before, idle_ticks);
 }
 
-/// The stage that decides which bodies sleep, which are solved together, and in how many substeps.
+/// The stage that decides which bodies sleep, which bodies are solved together, and in how many substeps.
 class IslandFinder final : public Stage {
  public:
   void run(const Model& model, State& state, TickLists& tick, Real dt) override;
@@ -78,12 +78,12 @@ inline std::uint32_t row_of(const State& state, std::uint32_t id) {
   return static_cast<std::uint32_t>(state.find_body(id));
 }
 
-/// How many substeps each island gets: tick.island_level, state.substeps; and which of them something lands on.
+/// Chooses the substeps of each island: tick.island_level, state.substeps. Finds the islands with resting impacts.
 /// Requires: islands are united.
 void choose_substeps(const Model& model, State& state, TickLists& tick, IslandWork& work, Real dt);
 
-/// Finds the contacts that will hit bodies at rest in this tick, and their islands. Requires: tick.load tells what is
-/// carried, and tick.island_level is that of the tick.
+/// Finds the contacts that will hit bodies at rest in this tick, and their islands. Requires: tick.load has the
+/// supported loads, and tick.island_level is of this tick.
 void find_resting_impacts(const Model& model, const State& state, TickLists& tick, Real dt);
 
 }  // namespace ticktrue::engine::TICKTRUE_PRECISION

@@ -5,8 +5,8 @@
 namespace ticktrue::engine::TICKTRUE_PRECISION {
 namespace {
 
-// Contacts solved for resting impacts in a tick; then each substep gets one check. So even what never settles takes
-// hundredths of a second.
+// Limit of the contacts solved for resting impacts in a tick. Beyond the limit, each substep gets one check. A pile
+// that never settles then takes hundredths of a second.
 constexpr std::uint32_t work_in_tick_max = 1u << 21;
 
 std::uint32_t island_of(const TickLists& tick, std::uint32_t row) {
@@ -14,8 +14,8 @@ std::uint32_t island_of(const TickLists& tick, std::uint32_t row) {
   return row;
 }
 
-/// Joints would take the impulses of a landing along as forces, which throw what they join: islands with joints are
-/// left to the passes of each substep.
+/// Excludes islands with joints from shock propagation: the passes of each substep solve them. Joints would keep the
+/// impulses of an impact as forces, which would throw the joined bodies.
 void leave_out_joined(const State& state, TickLists& tick) {
   for (const JointRow& joint : state.joints)
     if (joint.body_a != no_reference)

@@ -1,7 +1,7 @@
 // The number of substeps of an island, from error estimates of its supports.
 // SPDX-License-Identifier: MIT
-// Source: the deflection of soft constraints falls as substeps^-2: error = force / (effective mass * omega^2) with
-// omega proportional to the substep rate. Hence n = 4 sqrt(error at 4 substeps / allowed error).
+// Source: the deflection of soft constraints falls as substeps^-2. The error is force / (effective mass * omega^2),
+// with omega proportional to the substep rate. Hence n = 4 sqrt(error at 4 substeps / allowed error).
 #include "base/limits.h"
 #include "engine/islands/islands.h"
 #include "engine/islands/supports.h"
@@ -9,9 +9,10 @@
 namespace ticktrue::engine::TICKTRUE_PRECISION {
 namespace {
 
-constexpr std::uint32_t idle_tick_count = 60;  // ticks that needed fewer substeps before the number falls
+constexpr std::uint32_t idle_tick_count = 60;  // ticks with a smaller need before the number falls
 
-/// How hard joints hold each body that whirls: w^2 r of every arm on the way to what cannot move.
+/// The centripetal acceleration by joints of each rotating body: the sum of w^2 r of the arms towards the nearest
+/// immovable body.
 void find_joint_accelerations(const State& state, IslandWork& work) {
   work.joint_acceleration.assign(state.bodies.size(), 0);
   const auto spin2 = [&](std::uint32_t row) {
@@ -29,8 +30,8 @@ bool is_floating(const IslandWork& work, std::uint32_t row) {
   return !work.is_floating.empty() && work.is_floating[row] != 0;
 }
 
-/// What a body adds to the load, N: its weight, what its joints hold it by, and, where loads are measured, the forces
-/// that are known before the tick.
+/// The own load of a body, N: its weight, the force by which its joints hold it, and, where loads are measured, the
+/// forces that are known before the tick.
 Real own_load(const Model& model, const State& state, const IslandWork& work, std::uint32_t row) {
   const std::uint32_t source = state.bodies[row].source;
   const BodyModel& body = model.bodies[source];
@@ -40,8 +41,8 @@ Real own_load(const Model& model, const State& state, const IslandWork& work, st
   return work.known_force.empty() ? own : own + work.known_force[row];
 }
 
-/// Forces on each body that are known before the tick: of elements, of inputs, and of motors along an axis: the most
-/// that these can where they are far from their speed, else what they did in the last tick.
+/// Finds the forces on each body that are known before the tick: of elements, of inputs, and of motors along an axis. A
+/// motor far from its speed has its largest force, another motor the force of the last tick.
 void find_known_forces(const Model& model, const State& state, const TickLists& tick, IslandWork& work) {
   work.known_force.assign(state.bodies.size(), 0);
   for (std::uint32_t row = 0; row < state.bodies.size(); ++row) {
@@ -62,11 +63,11 @@ void find_known_forces(const Model& model, const State& state, const TickLists& 
   }
 }
 
-// Measured loads count where they exceed weights by so much: those of bodies at rest vary.
+// A measured load counts if it exceeds the weights by this factor, since measured loads of bodies at rest vary.
 constexpr Real excess_least = Real(1.25);
 
-/// Weights and pulls go down the shortest ways to the ground, shared among equal ones; sags add up on the way back.
-/// Where `measured_force` is not empty, a body carries that, N, if it is far more.
+/// Passes loads down the shortest paths to the ground, in equal shares; compressions add up on the way back. If
+/// `measured_force` is not empty, a body carries the measured force, N, if that is far larger.
 void estimate_errors(const Model& model, const State& state, const IslandWork& work,
                      std::span<const Real> measured_force, LoadEstimate& out) {
   out.load.assign(state.bodies.size(), 0);
@@ -101,8 +102,8 @@ void estimate_errors(const Model& model, const State& state, const IslandWork& w
   }
 }
 
-/// A load beside the middle of a contact tilts what lies on it, and all that stands there leans; a weld bends under
-/// what hangs from it. Of bodies that one contact or weld alone carries.
+/// Estimates the tilt of bodies that one contact or weld alone carries. A load beside the middle of a contact tilts the
+/// body, and everything that stands on it leans. A weld bends under the load that hangs from it.
 void estimate_tilts(const State& state, IslandWork& work) {
   const std::vector<Real>& load = work.weights.load;
   work.load_moment.assign(state.bodies.size(), {0, 0});
@@ -136,7 +137,7 @@ void estimate_tilts(const State& state, IslandWork& work) {
       const Vec2 middle = position + support.middle;
       const Vec2 center = (1 / load[row]) * work.load_moment[row];
       const Real lever = cross(center - middle, down);
-      if (support.half_width2 > 0 && !(lever * lever < support.half_width2)) return;  // it topples
+      if (support.half_width2 > 0 && !(lever * lever < support.half_width2)) return;  // the body topples
       const Real torque = load[row] * lever;
       const TiltError& below = work.tilt_errors[support.other];
       TiltError& tilt = work.tilt_errors[row];
@@ -147,7 +148,7 @@ void estimate_tilts(const State& state, IslandWork& work) {
   }
 }
 
-/// The power of two from `least` to `most` with which the error of a body is allowed.
+/// The least power of two times `least`, at most `most`, for which the error of a body is allowed.
 std::uint32_t wanted_substeps(Real error, Real allowed, std::uint32_t least, std::uint32_t most) {
   std::uint32_t count = least;
   // error at n substeps = error * (4 / n)^2
@@ -160,8 +161,8 @@ std::uint32_t wanted_substeps(Real error, Real allowed, std::uint32_t least, std
 // The largest mass that constraints may add on a path to the ground, relative to the supported mass.
 constexpr Real added_share_max = Real(0.01);
 
-/// Where not even the most substeps keep a sag within its allowance: how much heavier constraints shall see what
-/// carries the load, which is far heavier. Sags fall by as much.
+/// Where even the most substeps leave a compression too large, finds factors for the masses of bodies that carry a far
+/// heavier load. Constraints use the larger masses, and compressions fall by the factor.
 void find_mass_factors(const Model& model, const State& state, TickLists& tick, IslandWork& work) {
   const LoadEstimate& loads = work.weights;
   const Settings& settings = model.scene.settings;
@@ -188,7 +189,7 @@ void find_mass_factors(const Model& model, const State& state, TickLists& tick, 
   }
 }
 
-/// What each island needs for its loads, raised where more is wanted.
+/// Raises the level of each island to the need of its loads.
 void raise_levels(const Model& model, const State& state, TickLists& tick, const LoadEstimate& loads,
                   std::span<const TiltError> tilts, std::vector<std::uint32_t>& level) {
   const Settings& settings = model.scene.settings;
@@ -199,7 +200,7 @@ void raise_levels(const Model& model, const State& state, TickLists& tick, const
     if (type_of(model, state, row) != BodyType::dynamic_body) continue;
     std::uint32_t& island = level[find_root(tick.island_parent, row)];
     const BodyModel& body = model.bodies[state.bodies[row].source];
-    // What comes suddenly swings out twice as far.
+    // A sudden load swings twice as far.
     const Real error = larger(loads.position_error[row], 2 * length(tilts[row].displacement));
     const std::uint32_t wanted = wanted_substeps(error, target * body.size, least, most);
     const std::uint32_t wanted_here = wanted_substeps(loads.local_error[row], target, least, most);
@@ -208,7 +209,7 @@ void raise_levels(const Model& model, const State& state, TickLists& tick, const
   }
 }
 
-/// Forces between bodies that none carries for the other, as of a row of boxes that something presses together.
+/// Adds the errors by forces between bodies of equal depth, as in a row of boxes that is pressed together.
 void add_side_errors(const Model& model, const State& state, const IslandWork& work, LoadEstimate& out) {
   for (std::uint32_t row = 0; row < state.bodies.size(); ++row) {
     if (type_of(model, state, row) != BodyType::dynamic_body || work.support_depth[row] == not_carried) continue;
@@ -223,8 +224,8 @@ void add_side_errors(const Model& model, const State& state, const IslandWork& w
   }
 }
 
-/// Raises the levels of islands whose constraints held more, in this tick's forces and in those of the tick before,
-/// than weights tell. One impact does not count.
+/// Raises the levels of islands whose constraints held more than the weights, both in this tick's forces and in those
+/// of the tick before. One impact therefore does not count.
 void raise_by_measured_loads(const Model& model, State& state, TickLists& tick, IslandWork& work,
                              std::vector<std::uint32_t>& level) {
   work.measured_force.assign(state.bodies.size(), 0);
@@ -271,7 +272,7 @@ void choose_substeps(const Model& model, State& state, TickLists& tick, IslandWo
   if (is_measured) raise_by_measured_loads(model, state, tick, work, level);
   find_mass_factors(model, state, tick, work);
   tick.load = work.weights.load;
-  // What it has had: rises at once, falls after calm ticks.
+  // The number of substeps of an island rises at once and falls after enough idle ticks.
   std::vector<std::uint32_t>& had = work.substeps_before;
   had.assign(state.bodies.size(), 0);
   std::vector<std::uint32_t>& idle = work.idle_ticks;

@@ -1,4 +1,4 @@
-// What carries each body, and how much it gives way.
+// The supports of each body, and their compliances.
 // SPDX-License-Identifier: MIT
 #include "engine/islands/supports.h"
 
@@ -31,8 +31,8 @@ Real contact_compliance(const Model& model, const State& state, const ContactPai
   return stiffness > 0 ? 1 / stiffness : Real(0);
 }
 
-/// Compliance of a joint at the reference number of substeps, m/N. Chains swing: they get twice the substeps that their
-/// weight needs, and so four times the compliance.
+/// Compliance of a joint at the reference number of substeps, m/N. Chains swing and need twice the substeps of their
+/// weight, hence the factor of four.
 Real joint_compliance(const Model& model, const State& state, std::uint32_t a, std::uint32_t b, Real h) {
   const Real inv_mass = model.bodies[state.bodies[a].source].inv_mass + model.bodies[state.bodies[b].source].inv_mass;
   return 4 * inv_mass / joint_stiffness(h);
@@ -47,14 +47,15 @@ Real joint_angular_compliance(const Model& model, const State& state, const Join
   return inv_inertia / joint_stiffness(h);
 }
 
-/// Whether the bodies rest on each other, or are about to. A speculative contact supports nothing.
+/// Whether the bodies rest on each other, or soon will. A speculative contact supports nothing.
 bool carries(const ContactPair& pair) {
   Real least = pair.manifold.points[0].separation;
   if (pair.manifold.point_count == 2) least = smaller(least, pair.manifold.points[1].separation);
   return least <= resting_margin(pair.size);
 }
 
-/// Whether a joint may carry a body. What gives way along an axis with a motor does not; what it holds is measured.
+/// Whether a joint may carry a body. A motor along an axis does not, if loads are measured: the measurement has its
+/// force.
 bool supports(const JointRow& joint, bool is_measured) {
   if (joint.body_a == no_reference) return false;
   return !is_measured || !slides(joint) || !(joint.motor_force_max > 0);
@@ -112,7 +113,7 @@ void list_supports(const Model& model, const State& state, TickLists& tick, Isla
 
 namespace {
 
-/// Gives bodies that the listed ones carry their depth, breadth first, from support_order[next] on.
+/// Gives depths to the bodies that listed bodies carry, breadth first, from support_order[next] on.
 void spread_depths(IslandWork& work, std::size_t next) {
   for (; next < work.support_order.size(); ++next) {
     const std::uint32_t row = work.support_order[next];
@@ -124,8 +125,8 @@ void spread_depths(IslandWork& work, std::size_t next) {
   }
 }
 
-/// Bodies that nothing immovable carries: depths from the heaviest of those that hold together, the first of equal
-/// ones.
+/// Finds the depths of connected bodies without an immovable support, from the heaviest body of each group. Of equal
+/// masses the first row counts.
 void find_floating_depths(const Model& model, const State& state, IslandWork& work) {
   work.is_floating.assign(state.bodies.size(), 0);
   for (std::uint32_t row = 0; row < state.bodies.size(); ++row) {

@@ -1,4 +1,4 @@
-// What carries each body, and how much it gives way.
+// The supports of each body, and their compliances.
 // SPDX-License-Identifier: MIT
 #pragma once
 
@@ -9,11 +9,11 @@
 
 namespace ticktrue::engine::TICKTRUE_PRECISION {
 
-/// The number of substeps that compliances are told for.
+/// The number of substeps for which compliances are given.
 inline constexpr int reference_substeps = 4;
 inline constexpr std::uint32_t not_carried = 0xffffffff;
 
-/// Lists, for each body, what it touches or is joined to. `h`: s, of a substep at reference_substeps.
+/// Lists, for each body, the bodies that it touches or is joined to. `h`: s, of a substep at reference_substeps.
 void list_supports(const Model& model, const State& state, TickLists& tick, IslandWork& work, Real h);
 
 /// Whether a joint's bodies move along an axis.
@@ -22,9 +22,9 @@ inline bool slides(const JointRow& joint) {
                                           joint.kind == static_cast<std::uint32_t>(JointKind::wheel));
 }
 
-/// Steps from the nearest immovable body, breadth first; support_order lists what is carried, nearest first. Where
-/// loads are measured, bodies that nothing immovable carries follow, with their depths from the heaviest of them.
-/// Requires: list_supports.
+/// Finds depths, breadth first: steps from the nearest immovable body. support_order lists carried bodies, nearest
+/// first. Where loads are measured, connected bodies without an immovable support follow, with depths from the heaviest
+/// of them. Requires: list_supports.
 void find_depths(const Model& model, const State& state, IslandWork& work);
 
 inline std::span<const Support> supports_of(const IslandWork& work, std::uint32_t row) {
