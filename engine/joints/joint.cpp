@@ -1,6 +1,6 @@
 // Preparation of a joint, and springs.
 // SPDX-License-Identifier: MIT
-// Source: softness tied to the substep rate: Catto, "Solver2D", 2024; without its upper limit the error falls as the
+// Source: softness tied to the substep rate: Catto, "Solver2D", 2024. Without its upper limit, the error falls as the
 // square of the substep.
 #include "engine/joints/joint.h"
 
@@ -90,7 +90,7 @@ PrincipalAxes principal_axes(const JointWork& joint, const PointRow& row) {
     const Vec2 along = half >= 0 ? Vec2{half + radius, row.k12} : Vec2{row.k12, radius - half};
     first = (1 / length(along)) * along;
   }
-  // The smaller mobility is never below that of the masses alone; rounding could make the difference so.
+  // The smaller mobility is never below that of the masses alone; rounding could make it smaller.
   const Real least = joint.inv_mass_a + joint.inv_mass_b;
   return {{first, cross(Real(1), first)}, {mean + radius, larger(mean - radius, least)}};
 }

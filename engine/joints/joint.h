@@ -1,10 +1,10 @@
-// Joints: what the solver does with them in each substep, for all kinds alike.
+// Joints: the steps of the solver in each substep, for all kinds alike.
 // SPDX-License-Identifier: MIT
 //
-// Joints are solved one after the other in the order of the scene, which is part of the physics. A faster order may
-// replace it if it gives the same bits (joint_order.h). A joint consists of rows: rigid ones (soft constraints tied to
-// the substep rate), limits, motors and springs. Accumulated impulses are stored as forces in the state. Springs act
-// before positions change; the relax pass leaves them out (joint_spring.h).
+// Joints are solved one at a time in the order of the scene, which is part of the physics. A faster order may replace
+// it if the bits stay the same (joint_order.h). A joint consists of rows: rigid rows (soft constraints tied to the
+// substep rate), limits, motors and springs. Accumulated impulses are stored as forces in the state. Springs act before
+// positions change; the relax pass leaves them out (joint_spring.h).
 #pragma once
 
 #include <cstdint>
@@ -20,7 +20,7 @@ namespace ticktrue::engine::TICKTRUE_PRECISION {
 
 struct SolvedSet;
 
-/// Accumulated impulses of a substep. The file of each kind says which ones it uses.
+/// Accumulated impulses of a substep. The file of each kind lists the impulses that the kind uses.
 struct JointImpulses {
   Vec2 linear;       // N s
   Real angular = 0;  // N m s
@@ -76,10 +76,10 @@ struct JointFunctions {
 struct JointRange {
   JointKind kind;
   JointPath path;  // `first`, `last`: in JointWorkspace::revolutes, ::driven_revolutes or ::joints
-  bool springs;    // some joint has one, or is driven like one
+  bool springs;    // some joint has a spring, or is driven like one
   std::uint32_t first;
   std::uint32_t last;          // one beyond
-  std::uint32_t level;         // of all joints of the range, where several threads solve them
+  std::uint32_t level;         // of all joints of the range, if several threads solve them
   std::size_t chunk_size = 0;  // in batches
 };
 

@@ -2,8 +2,8 @@
 // SPDX-License-Identifier: MIT
 // Source: Catto, "Modeling and Solving Constraints", GDC 2009 (distance constraint); rows: joint_rows.h.
 //
-// d = from A's anchor to B's, C = |d| - length, row along d / |d|. linear.x = the rod; spring, motor, lower, upper act
-// along d too. Without spring, limits and motor it is a rod.
+// d = from A's anchor to B's, C = |d| - length, row along d / |d|. linear.x is the impulse of the rod. spring, motor,
+// lower and upper also act along d. Without spring, limits and motor the joint is a rod.
 #include "engine/joints/joint_rows.h"
 
 namespace ticktrue::engine::TICKTRUE_PRECISION {
@@ -20,13 +20,13 @@ Span span_of(const JointWork& joint, const JointBodies& pair) {
   const Vec2 arm_b = rotate(pair.b.delta_rotation, joint.anchor_b);
   const Vec2 d = (joint.center_offset + (pair.b.delta_position - pair.a.delta_position)) + (arm_b - arm_a);
   const Real distance = length(d);
-  // Coincident anchors have no direction: a fixed one gives no NaN.
+  // Coincident anchors have no direction; a fixed direction avoids a NaN.
   const Vec2 axis = distance > 0 ? Vec2{d.x / distance, d.y / distance} : Vec2{1, 0};
   return {line_row(joint, axis, arm_a, arm_b), arm_a, arm_b, distance};
 }
 
-/// The lengthening of the span in a substep besides the velocity along it, per h: from a sideways step u, sqrt(d^2 +
-/// u^2) - d, and from rotating arms.
+/// The lengthening of the span in a substep besides the velocity along it, per h. It comes from a sideways step u, as
+/// sqrt(d^2 + u^2) - d, and from rotating arms.
 Real lengthening_rate(const Span& span, const JointBodies& pair, Real h) {
   const Vec2 velocity = (pair.b.velocity + cross(pair.b.angular_velocity, span.arm_b)) -
                         (pair.a.velocity + cross(pair.a.angular_velocity, span.arm_a));

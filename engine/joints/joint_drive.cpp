@@ -1,5 +1,5 @@
 // Joints with a bounded force: motor (drives B to a pose relative to A), friction (slows B relative to A), target
-// (draws B to a point).
+// (pulls B to a point).
 // SPDX-License-Identifier: MIT
 // Source: Catto, "Modeling and Solving Constraints", GDC 2009; bounds as in Coulomb friction: the sum of impulses of a
 // substep stays within h times the largest force. Rows: joint_rows.h.
@@ -14,8 +14,8 @@
 namespace ticktrue::engine::TICKTRUE_PRECISION {
 namespace {
 
-/// The spring of the scene, or one as stiff as rigid rows. The relax pass leaves springs out; it would take back a
-/// bounded force.
+/// The spring of the scene, or one as stiff as rigid rows. The relax pass leaves springs out, since a relax pass would
+/// remove a bounded force.
 SpringModel drive_of(const JointModel& model, Real h) {
   if (!model.rigid) return model.spring;
   const double omega = 2 * pi * static_cast<double>(joint_hertz_times_h / h);

@@ -9,7 +9,7 @@
 namespace ticktrue::engine::TICKTRUE_PRECISION {
 namespace {
 
-/// h^2 F r in units of the inertia.
+/// The limit of h^2 F r, relative to the inertia.
 constexpr Real turning_limit = 2;
 
 void raise_inertia(BodyMass& mass, Real least) {

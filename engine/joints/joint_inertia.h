@@ -1,8 +1,8 @@
 // Larger inertias against joint forces that substeps cannot follow.
 // SPDX-License-Identifier: MIT
 // Source: Tournier, Nesme, Gilles, Faure, "Stable Constrained Dynamics", SIGGRAPH 2015, and Andrews, Teichmann, Kry,
-// "Geometric Stiffness for Real-time Constrained Multibody Dynamics", Eurographics 2017: the stiffness that constraint
-// forces have by themselves because bodies turn under them.
+// "Geometric Stiffness for Real-time Constrained Multibody Dynamics", Eurographics 2017: constraint forces have a
+// stiffness of their own because bodies rotate under them.
 //
 // A force F at an arm r rotates with the body and acts as a spring of stiffness F r about the centre. Warm starting
 // makes this spring explicit, which is stable up to h^2 F r = 4 I. Half of that is reserved for a neighbour that

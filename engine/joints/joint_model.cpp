@@ -73,7 +73,7 @@ JointModel make_joint(const Model& model, const Joint& joint) {
   return out;
 }
 
-/// The share of a body in the mobility of a joint, of its point or of its angle: 1 if the other body is much heavier.
+/// The share of a body in the mobility of a joint's point or angle: 1 if the other body is much heavier.
 double share_of(const BodyModel& body, Vec2 anchor, const BodyModel& other, Vec2 other_anchor, bool holds_angle) {
   const auto mobility = [](const BodyModel& of, Vec2 arm) {
     return static_cast<double>(of.inv_mass) +
@@ -88,7 +88,7 @@ double share_of(const BodyModel& body, Vec2 anchor, const BodyModel& other, Vec2
 }
 
 // Measured on light bodies of 1, 0.01 and 0.0001 kg with 3 to 24 rods of 1 kg, with revolutes and welds. k rods need at
-// most k^2 / 4 iterations, and their sum of shares is k. In chains and nets the sum is 2 at most.
+// most k^2 / 4 iterations, and the sum of their shares is k. In chains and nets the sum is 2 at most.
 constexpr double share_sum_max = 2.5;
 constexpr double iterations_per_share2 = 0.25;
 constexpr double joint_visits_max = 1 << 14;  // in all iterations over the joints of the scene

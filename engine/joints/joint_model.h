@@ -15,9 +15,9 @@ struct Model;
 /// A spring of the scene. `exists`: it has stiffness or damping.
 struct SpringModel {
   bool exists = false;
-  bool absolute = false;  // else relative to the row's effective mass
-  double stiffness = 0;   // absolute: N/m or N m/rad; else 1/s^2
-  double damping = 0;     // absolute: N s/m or N m s/rad; else 1/s
+  bool absolute = false;  // otherwise relative to the row's effective mass
+  double stiffness = 0;   // absolute: N/m or N m/rad; otherwise 1/s^2
+  double damping = 0;     // absolute: N s/m or N m s/rad; otherwise 1/s
 };
 
 struct JointModel {
@@ -33,7 +33,7 @@ struct JointModel {
   Real length = 0;                  // m
   bool rigid = true;                // the rows that a linear spring (distance: anything soft) would replace
   bool rigid_angle = false;         // weld: has the row that an angular spring would replace
-  bool holds_angle = false;         // by a rigid row
+  bool holds_angle = false;         // a rigid row holds it
   bool has_limits = false;
   Real lower = 0;  // m or rad
   Real upper = 0;
@@ -49,13 +49,13 @@ struct JointModel {
   Real torque_max = 0;  // N m
 };
 
-/// Centres of mass of a joint's bodies in their frames, m. For A of a joint to the world: its origin.
+/// Centres of mass of a joint's bodies in their frames, m. For a joint to the world, `a` is the origin.
 struct JointCenters {
   Vec2 a;
   Vec2 b;
 };
 
-/// An anchor from a body's origin, from its centre of mass.
+/// Converts an anchor from the body's origin to its centre of mass.
 Vec2 from_center(Point anchor, Vec2 center);
 Rotation rotation_of(double angle_rad);
 /// The axis and the reference angle of a scene's joint.
@@ -72,7 +72,7 @@ struct SeparatedPair {
 /// barely the heavy ones. Extra iterations compensate.
 struct LightBody {
   std::uint32_t body;        // id
-  std::uint32_t iterations;  // over the joints, in place of one
+  std::uint32_t iterations;  // over the joints, instead of one
 };
 
 /// Fills model.joints, model.light_bodies and model.separated from model.scene. Requires: model.bodies.

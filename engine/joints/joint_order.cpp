@@ -1,4 +1,4 @@
-// Levels of joints, and whether batches pay.
+// Levels of joints, and the decision whether batches pay.
 // SPDX-License-Identifier: MIT
 #include "engine/joints/joint_order.h"
 
@@ -16,7 +16,7 @@ JointPath path_of(const JointModel& joint) {
   return joint.is_driven_revolute ? JointPath::driven_revolute : JointPath::scalar;
 }
 
-/// Sorts the places by level and path, and otherwise leaves their order.
+/// Sorts the places by level and path, stable.
 void sort_by_level(JointOrderWork& work, JointOrder& order) {
   std::vector<JointPlace>& places = order.places;
   std::vector<std::uint32_t>& start = work.level_starts;

@@ -1,4 +1,4 @@
-// The order in which joints are solved: that of the scene, or one that gives the same bits and allows batches of eight.
+// The order in which joints are solved: the scene's order, or one with the same bits that allows batches of eight.
 // SPDX-License-Identifier: MIT
 //
 // A joint depends only on earlier joints that move one of its bodies. Its level is one above the last such joint.
@@ -19,11 +19,11 @@ namespace ticktrue::engine::TICKTRUE_PRECISION {
 struct SolvedSet;
 struct State;
 
-/// How a joint is solved: by kernels in batches (plain revolutes also one after the other), or by the scalar path.
+/// The path of a joint: kernels in batches (for plain revolutes also one at a time), or the scalar path.
 enum class JointPath : std::uint8_t { revolute, driven_revolute, scalar };
 inline constexpr std::uint32_t joint_path_count = 3;
 
-/// A joint of the set that is being solved.
+/// A joint of the present set.
 struct JointPlace {
   std::uint32_t row;             // in State::joints
   std::uint32_t joint;           // in Model::joints
@@ -31,7 +31,7 @@ struct JointPlace {
   std::uint32_t level;
   JointKind kind;
   JointPath path;           // in levels; in scene order driven revolutes take the scalar path
-  Vec2 anchor_a, anchor_b;  // as in JointModel; copied, since that is large
+  Vec2 anchor_a, anchor_b;  // as in JointModel; copied, since JointModel is large
 };
 
 /// Levels in which the joints of a body are close together, for a wavefront sweep (wavefront.h).
@@ -44,7 +44,7 @@ struct LevelSchedule {
 
 struct JointOrder {
   std::vector<JointPlace> places;  // in solving order
-  bool in_levels = false;          // else in scene order
+  bool in_levels = false;          // otherwise in scene order
   std::uint32_t level_count = 0;
   LevelSchedule schedule;
 };
@@ -56,7 +56,7 @@ struct BodyJoints {
   std::uint32_t count = 0;  // of its joints
 };
 
-/// What ordering works in.
+/// The workspace of the ordering.
 struct JointOrderWork {
   std::vector<JointPlace> sorted_places;
   std::vector<BodyJoints> body_joints;      // [body]
@@ -73,9 +73,9 @@ void list_fields(JointOrderWork& of, const Visit& visit) {
 /// Row of a joint's body. An id is its row as long as no body was removed. Requires: the body exists.
 std::uint32_t row_of_body(const State& state, std::uint32_t id);
 
-/// Orders the joints of the set as they are prepared: by level and path, or in scene order. `may_use_wavefront`: tries
-/// to schedule levels for a wavefront sweep (wavefront.h). `left_out`: [row of a joint] 1 if it is solved otherwise;
-/// empty: none is. Requires: prepare_bodies, enter_solver_set.
+/// Orders the joints of the set for preparation: by level and path, or in scene order. `may_use_wavefront`: tries to
+/// schedule levels for a wavefront sweep (wavefront.h). `left_out`: [row of a joint] 1 if another solver has the joint;
+/// empty: no joint is left out. Requires: prepare_bodies, enter_solver_set.
 void order_joints(const SolvedSet& solved, bool may_use_wavefront, std::span<const std::uint8_t> left_out,
                   JointOrderWork& work, JointOrder& out);
 

@@ -15,7 +15,7 @@
 
 namespace ticktrue::engine::TICKTRUE_PRECISION {
 
-/// What the solver works in for joints, and what it caches.
+/// The workspace and the caches of the joint solver.
 struct JointWorkspace {
   JointPlan plan;
   JointOrderWork order;
@@ -32,8 +32,8 @@ void list_fields(JointWorkspace& of, const Visit& visit) {
   visit(plan, order, torques, joints, revolutes, driven_revolutes, uses_wavefront);
 }
 
-/// Orders the joints of a set. `may_use_wavefront`: nothing but joints acts on its bodies in this tick. Requires:
-/// prepare_bodies. `left_out`: as for order_joints.
+/// Orders the joints of a set. `may_use_wavefront`: only joints act on its bodies in this tick. `left_out`: as for
+/// order_joints. Requires: prepare_bodies.
 void plan_joints(const SolvedSet& solved, bool may_use_wavefront, std::span<const std::uint8_t> left_out,
                  JointWorkspace& work);
 /// Prepares the joints of a set. Requires: plan_joints.
@@ -42,12 +42,12 @@ void prepare_joints(const SolvedSet& solved, JointWorkspace& work);
 void save_joint_velocities(const SolvedSet& solved, JointWorkspace& work);
 void warm_start_joints(const SolvedSet& solved, JointWorkspace& work);
 void solve_joints(const SolvedSet& solved, JointWorkspace& work, Bias bias);
-// The same for some joints, by front `front` of a wavefront sweep (wavefront.h).
+// The same for some joints, in front `front` of a wavefront sweep (wavefront.h).
 void save_velocities_of(const SolvedSet& solved, JointWorkspace& work, const JointRange& range);
 void warm_start_range(const SolvedSet& solved, JointWorkspace& work, const JointRange& range, Poses poses,
                       std::size_t front);
 void solve_range(const SolvedSet& solved, JointWorkspace& work, const JointRange& range, Bias bias, std::size_t front);
-/// Impulses back to state.joints, as forces.
+/// Stores the impulses in state.joints, as forces.
 void store_joints(const SolvedSet& solved, const JointWorkspace& work, State& state);
 
 }  // namespace ticktrue::engine::TICKTRUE_PRECISION

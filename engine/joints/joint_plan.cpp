@@ -1,4 +1,4 @@
-// From the order of joints to ranges and batches.
+// The step from the order of joints to ranges and batches.
 // SPDX-License-Identifier: MIT
 #include "engine/joints/joint_plan.h"
 
@@ -20,7 +20,8 @@ bool has_springs(const JointModel& joint) {
   return joint.spring.exists || joint.linear_spring.exists || traits_of(joint.kind).is_driven;
 }
 
-/// Adds the next place to the last batch. A full batch, another level or a new range begins a new batch.
+/// Adds the next place to the last batch. A new batch begins if the last batch is full, or at another level or a new
+/// range.
 void add_to_batches(std::vector<JointSpan>& spans, std::uint32_t place, std::uint32_t level, bool begins_run) {
   if (begins_run || spans.back().level != level || spans.back().count == lane_count) spans.push_back({place, 0, level});
   ++spans.back().count;

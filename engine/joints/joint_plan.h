@@ -1,4 +1,4 @@
-// The plan of joints: in which order and in which batches they are solved.
+// The plan of joints: the order and the batches in which they are solved.
 // SPDX-License-Identifier: MIT
 #pragma once
 
@@ -13,8 +13,7 @@
 
 namespace ticktrue::engine::TICKTRUE_PRECISION {
 
-/// What a plan follows from, while all joints of the scene and their bodies exist and there is one set: nothing but the
-/// scene.
+/// The inputs of a plan. The scene is the only input while all its joints and their bodies exist and there is one set.
 struct JointPlanKey {
   bool follows_from_scene;
 };
@@ -25,11 +24,11 @@ class JointPlan final : public TickCache {
   JointPlan() : TickCache(CacheKind::joint_plan) {}
 
   bool valid_for(const JointPlanKey& key) const { return key.follows_from_scene && follows_from_scene_; }
-  /// Makes the plan for the set that is being solved, unless it holds. `left_out`: as for order_joints, which follows
-  /// from the scene alone where the plan does. Requires: prepare_bodies, enter_solver_set.
+  /// Makes the plan for the present set, unless the plan is valid. `left_out`: as for order_joints; it must follow from
+  /// the scene alone whenever the plan does. Requires: prepare_bodies, enter_solver_set.
   void follow(const SolvedSet& solved, std::span<const std::uint8_t> left_out, JointOrderWork& work);
   void invalidate() override { follows_from_scene_ = false; }
-  /// A plan without joints.
+  /// Removes all joints from the plan.
   void clear();
 
   std::span<const JointPlace> places() const { return order_.places; }               // in solving order
@@ -37,9 +36,9 @@ class JointPlan final : public TickCache {
   std::span<const JointSpan> revolutes() const { return revolutes_; }                // [batch] of plain revolutes
   std::span<const JointSpan> driven_revolutes() const { return driven_revolutes_; }  // [batch]
   std::span<const std::uint32_t> scalar() const { return scalar_; }                  // in places(): the scalar path
-  bool in_levels() const { return order_.in_levels; }                                // else in scene order
+  bool in_levels() const { return order_.in_levels; }                                // otherwise in scene order
   std::uint32_t level_count() const { return order_.level_count; }
-  /// For the wavefront sweep, in ticks in which nothing else acts on the bodies (wavefront.h).
+  /// For the wavefront sweep, in ticks in which only joints act on the bodies (wavefront.h).
   const LevelSchedule& schedule() const { return order_.schedule; }
   std::span<const JointRange> ranges_of_level(std::uint32_t level) const {
     return std::span(ranges_).subspan(level_ranges_[level], level_ranges_[level + 1] - level_ranges_[level]);
@@ -52,7 +51,7 @@ class JointPlan final : public TickCache {
 
   bool follows_from_scene_ = false;  // key
   JointOrder order_;
-  bool by_level_ = false;  // ranges end where levels do
+  bool by_level_ = false;  // ranges end where levels end
   std::vector<JointRange> ranges_;
   std::vector<JointSpan> revolutes_;
   std::vector<JointSpan> driven_revolutes_;

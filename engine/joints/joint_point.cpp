@@ -1,4 +1,4 @@
-// Joints with a point constraint: revolute (the bodies rotate freely) and weld (they do not).
+// Joints with a point constraint: revolute (the bodies rotate freely) and weld (the bodies keep their relative angle).
 // SPDX-License-Identifier: MIT
 // Source: Catto, "Modeling and Solving Constraints", GDC 2009 (point constraint); rows and softness: joint_rows.h.
 //
@@ -76,7 +76,8 @@ void warm_start_weld(const JointWork& joint, JointBodies& pair) {
 }
 
 /// K (p, t) = -(rates): the rows of the point and of the angle together, the angle eliminated first. The remaining
-/// matrix of the point is m + a b / (a + b) (|d|^2 - d d^T), d = r_a - r_b. In this form long arms cancel no digits.
+/// matrix of the point is m + a b / (a + b) (|d|^2 - d d^T), d = r_a - r_b. In this form no digits cancel with long
+/// arms.
 void solve_rigid_weld(JointWork& joint, PointRow row, JointBodies& pair, const Softness& soft) {
   const AngleRow angle = angle_row(joint);
   const Vec2 rate = row.velocity(pair) + soft.bias_rate * row.error;

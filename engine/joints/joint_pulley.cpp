@@ -4,16 +4,16 @@
 // joint_rows.h.
 //
 // l_a, l_b = distances from the ground anchors to the bodies' anchors, u_a, u_b = their directions, r = ratio.
-// C = l_a + r l_b - length, u = u_a v_a + r u_b v_b, K = K_a + r^2 K_b. linear.x = the impulse on A along u_a;
-// linear.y = r linear.x, the one on B along u_b, so that |linear| bounds both (joint_inertia.h). axis.x, axis.y = 1
-// where the side of A, of B has a direction in this tick, else 0.
+// C = l_a + r l_b - length, u = u_a v_a + r u_b v_b, K = K_a + r^2 K_b. linear.x = the impulse on A along u_a; linear.y
+// = r linear.x, the impulse on B along u_b. |linear| therefore bounds both (joint_inertia.h). axis.x, axis.y = 1 if the
+// side of A, of B has a direction in this tick, otherwise 0.
 #include "engine/joints/joint_rows.h"
 
 namespace ticktrue::engine::TICKTRUE_PRECISION {
 namespace {
 
-/// A side that is shorter than this share of the rope at the start of a tick has no direction in the tick and gets no
-/// impulse. The share is ten times a slop of a 2000th; for a rope of 10 m this is the 5 cm of Box2D. The choice is made
+/// A side that is shorter than this share of the rope at the start of a tick has no direction and no impulse in the
+/// tick. The share is ten times a slop of a 2000th; for a rope of 10 m this is the 5 cm of Box2D. The choice is made
 /// once per tick, so that the relax pass removes what the bias added.
 constexpr Real shortest_share = Real(10.0 / 2000);
 
@@ -28,7 +28,7 @@ struct RopeSide {
   Real speed(const MovingBody& body) const { return dot(axis, body.velocity) + lever * body.angular_velocity; }
 };
 
-/// `from_ground`: of the centre of mass at the start of the tick.
+/// `from_ground`: from the ground anchor to the centre of mass at the start of the tick.
 RopeSide side_of(const MovingBody& body, Vec2 from_ground, Vec2 anchor, Real inv_mass, Real inv_inertia,
                  Real has_direction) {
   RopeSide side{};
@@ -42,7 +42,7 @@ RopeSide side_of(const MovingBody& body, Vec2 from_ground, Vec2 anchor, Real inv
   return side;
 }
 
-/// The lengthening of a side in a substep besides the velocity along it, per h: as of a rod (joint_distance.cpp).
+/// The lengthening of a side in a substep besides the velocity along it, per h, as for a rod (joint_distance.cpp).
 Real lengthening_rate(const RopeSide& side, const MovingBody& body, Real h) {
   const Real sideways = h * cross(side.axis, body.velocity + cross(body.angular_velocity, side.arm));
   const Real whole = side.length + square_root(side.length * side.length + sideways * sideways);

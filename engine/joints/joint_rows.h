@@ -108,7 +108,7 @@ void solve_rigid(JointWork& joint, const Row& row, JointBodies& pair, Real error
   row.apply(joint, pair, change);
 }
 
-/// One-sided. `slack` >= 0 may be used up within the substep; `slack` < 0 is corrected. sign 1: a lower limit.
+/// One-sided. `slack` >= 0 may be used up within the substep; `slack` < 0 is corrected. `sign` 1: a lower limit.
 template <typename Row>
 void solve_limit(JointWork& joint, const Row& row, JointBodies& pair, Real slack, Real sign, Real h, Bias bias,
                  Real& impulse) {
@@ -190,7 +190,7 @@ struct PointRow {
   }
 };
 
-/// Where impulses of a point row act.
+/// The point at which the impulses of a point row act.
 enum class ActsAt : std::uint8_t { middle, anchor_b };
 
 inline PointRow point_row(const JointWork& joint, const JointBodies& pair, ActsAt place) {
@@ -269,9 +269,9 @@ inline ConstrainedAngleRow constrained_angle_row(const JointWork& joint, const P
   return {above / below, -point.solved(angle_coupling(joint, point)), point};
 }
 
-/// The principal axes of a point's mobility: an impulse along one of them moves the point along it alone.
+/// The principal axes of a point's mobility: an impulse along an axis moves the point along this axis alone.
 struct PrincipalAxes {
-  Vec2 axis[2];  // unit, right angles; the more mobile one first
+  Vec2 axis[2];  // unit, at right angles; the more mobile one first
   Real mobility[2];
 };
 PrincipalAxes principal_axes(const JointWork& joint, const PointRow& row);

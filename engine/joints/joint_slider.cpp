@@ -3,9 +3,9 @@
 // SPDX-License-Identifier: MIT
 // Source: Catto, "Modeling and Solving Constraints", GDC 2009 (line and prismatic constraints); rows: joint_rows.h.
 //
-// linear.x = across the axis; angular = the angle (prismatic). spring, lower, upper act along the axis, the motor along
-// it (prismatic) or about the angle (wheel). d = from A's anchor to B's; impulses act at B's anchor on both bodies, so
-// the lever on A is (d + r_a) x axis.
+// linear.x = across the axis; angular = the angle (prismatic). spring, lower and upper act along the axis; the motor
+// acts along the axis (prismatic) or about the angle (wheel). d = from A's anchor to B's. Impulses act at B's anchor on
+// both bodies, so the lever on A is (d + r_a) x axis.
 #include "engine/joints/joint_rows.h"
 
 namespace ticktrue::engine::TICKTRUE_PRECISION {
@@ -15,7 +15,7 @@ struct Slide {
   LineRow along;
   LineRow across;
   Real translation;  // of B's anchor along the axis, from A's, m
-  Real deviation;    // across, m
+  Real deviation;    // across the axis, m
 };
 
 Slide slide_of(const JointWork& joint, const JointBodies& pair) {
@@ -46,7 +46,7 @@ void solve_spring_along(JointWork& joint, const Row& along, JointBodies& pair, R
 // ---- Prismatic ----
 
 /// The axis of bodies that do not rotate against each other. An impulse along the axis includes the reactions of the
-/// two rigid rows, so that these stay at rest and the axis is solved as if alone.
+/// two rigid rows, so that these rows stay at rest. The axis is then solved as if alone.
 struct ConstrainedLineRow {
   Real mobility;
   Real across;  // reactions per impulse
@@ -63,7 +63,7 @@ struct ConstrainedLineRow {
   }
 };
 
-/// Coupling of the row across with the angle's.
+/// Coupling of the row across the axis with the row of the angle.
 Real coupling(const JointWork& joint, const LineRow& row) {
   return joint.inv_inertia_a * row.lever_a + joint.inv_inertia_b * row.lever_b;
 }

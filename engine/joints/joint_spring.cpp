@@ -14,7 +14,7 @@ SpringStep make_spring_step(double stiffness_per_mass, double damping_per_mass, 
   const double discriminant = a * a - w2;
   if (discriminant >= 0) {
     const double fast = a + __builtin_sqrt(discriminant);
-    const double slow = w2 / fast;  // not a - sqrt(...): that would cancel
+    const double slow = w2 / fast;  // a - sqrt(...) would cancel digits
     const double x = h * fast < exponent_max ? h * fast : exponent_max;
     const double y = h * slow;
     const Decay p = decay_over(x);

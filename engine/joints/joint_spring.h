@@ -10,15 +10,15 @@
 // h sqrt(w^2 - a^2). Hence, with s = e^(-a h),
 //   D = s^2,   A = (1 - s)^2 + 2 s (1 - cos(y))                               a < w
 //   D = e^(-h p) e^(-h q),   A = (1 - e^(-h p)) (1 - e^(-h q))                 a >= w; p, q = a +- sqrt(a^2 - w^2)
-// The second map has eigenvalues in 0..1: at least critical damping brings the spring to rest without overshoot. cos(y)
-// repeats for y > pi, so that a spring too stiff for the substep would act like a soft one. cos(y) is therefore taken
-// as
+// The second map has eigenvalues in 0..1: with at least critical damping, the spring comes to rest without overshoot.
+// cos(y) repeats for y > pi, so that a spring too stiff for the substep would act like a soft one. cos(y) is therefore
+// replaced by
 //   1 / (1 + y^2 / 2 + 5 y^4 / 24),
-// the series of the secant: off by 61 y^6 / 720, and in 0..1 for every y. No spring swings faster than a quarter period
-// per substep. Without damping D = 1 and 0 < A < 2: the map preserves areas and is a rotation, so the amplitude is
-// constant. Velocities belong half a substep before the positions (as everywhere in this scheme). A swing from rest at
-// x0 therefore has the amplitude x0 / cos(y / 2), at most sqrt(2) x0. x = f / w^2, v = 0 is a fixed point: the
-// deflection under a load is exact.
+// the series of the secant. Its error is 61 y^6 / 720, and its value is in 0..1 for every y. No spring swings faster
+// than a quarter period per substep. Without damping D = 1 and 0 < A < 2: the map preserves areas and is a rotation, so
+// the amplitude is constant. Velocities are half a substep before the positions (as everywhere in this scheme). A swing
+// from rest at x0 therefore has the amplitude x0 / cos(y / 2), at most sqrt(2) x0. x = f / w^2, v = 0 is a fixed point:
+// the deflection under a load is exact.
 #pragma once
 
 #include "engine/math/real.h"

@@ -26,11 +26,11 @@ struct MouseJoint {
   Vec2 impulse;      // N s, accumulated
 };
 
-/// Those of the pointers that hold bodies of a set.
+/// Prepares the mouse joints of the pointers that hold bodies of a set.
 void prepare_mouse_joints(const SolvedSet& solved, std::vector<MouseJoint>& joints);
 void warm_start_mouse_joints(const std::vector<MouseJoint>& joints, SolverBodies& bodies);
 void solve_mouse_joints(std::vector<MouseJoint>& joints, SolverBodies& bodies);
-/// Impulses back to state.pointers, as forces.
+/// Stores the impulses in state.pointers, as forces.
 void store_mouse_joints(const std::vector<MouseJoint>& joints, State& state, Real h);
 
 }  // namespace ticktrue::engine::TICKTRUE_PRECISION

@@ -66,7 +66,7 @@ void fill_driven_revolutes(const SolvedSet& solved, JointWorkspace& work) {
 
 void separate_driven_revolute_sinks(const SolverBodies& bodies, const JointRange& range,
                                     DrivenRevoluteBatches& driven) {
-  // The first chunk writes to the sink that the batches have already.
+  // The first chunk writes to the sink that the batches already have.
   for (std::size_t i = range.chunk_size; i < range.last - range.first; ++i)
     redirect_to_sink(bodies, driven.batches[range.first + i].point, i / range.chunk_size);
 }
@@ -96,7 +96,7 @@ void store_driven_revolutes(const SolvedSet& solved, const JointWorkspace& work,
         const Vec2 linear{batch.point.impulse_x.at[lane], batch.point.impulse_y.at[lane]};
         row.linear_force = stored(inv_h * linear);
         row.torque =
-            stored(inv_h * (h * row.torque));  // always 0; the same operations as for a joint of the scalar path
+            stored(inv_h * (h * row.torque));  // always 0, by the same operations as for a joint of the scalar path
         row.spring_force = stored(inv_h * batch.spring_impulse.at[lane]);
         row.lower_force = stored(inv_h * batch.lower_impulse.at[lane]);
         row.upper_force = stored(inv_h * batch.upper_impulse.at[lane]);

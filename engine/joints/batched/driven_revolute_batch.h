@@ -11,7 +11,7 @@
 namespace ticktrue::engine::TICKTRUE_PRECISION {
 
 struct DrivenRevoluteBatches {
-  std::vector<DrivenRevoluteBatch> batches;  // the plan says how many are in use
+  std::vector<DrivenRevoluteBatch> batches;  // the plan says how many batches are in use
   Softness soft;
 };
 
@@ -23,12 +23,12 @@ void list_fields(DrivenRevoluteBatches& of, const Visit& visit) {
 
 /// Fills the batches of the plan.
 void fill_driven_revolutes(const SolvedSet& solved, JointWorkspace& work);
-/// As separate_revolute_sinks (revolute_batch.h).
+/// Same as separate_revolute_sinks (revolute_batch.h).
 void separate_driven_revolute_sinks(const SolverBodies& bodies, const JointRange& range, DrivenRevoluteBatches& driven);
 void save_driven_revolutes(const SolvedSet& solved, JointWorkspace& work, const JointRange& range);
 void warm_start_driven_revolutes(const SolvedSet& solved, JointWorkspace& work, const JointRange& range);
 void solve_driven_revolutes(const SolvedSet& solved, JointWorkspace& work, const JointRange& range, Bias bias);
-/// Impulses back to state.joints, as forces.
+/// Stores the impulses in state.joints, as forces.
 void store_driven_revolutes(const SolvedSet& solved, const JointWorkspace& work, State& state);
 
 }  // namespace ticktrue::engine::TICKTRUE_PRECISION

@@ -1,4 +1,4 @@
-// Revolute joints with a spring, limits or a motor, as kernels see them: eight that share no dynamic body.
+// Revolute joints with a spring, limits or a motor, in the layout of the kernels: eight that share no dynamic body.
 // SPDX-License-Identifier: MIT
 #pragma once
 

@@ -9,9 +9,9 @@
 namespace ticktrue::engine::TICKTRUE_PRECISION {
 namespace {
 
-// Fewer joints stay in the nearest cache. One thread is done before a second has begun.
+// Fewer joints stay in the nearest cache, and one thread finishes before a second thread has started.
 constexpr std::size_t joint_count_least = 1024;
-// With fewer levels per distance, few passes run at the same time.
+// With fewer levels per distance, too few passes run at the same time.
 constexpr std::uint32_t distances_least = 8;
 constexpr int iteration_count_max = 8;
 

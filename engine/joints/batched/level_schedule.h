@@ -1,4 +1,4 @@
-// The level schedule: levels in which the joints of a body are close together, as a wavefront sweep needs
+// The level schedule: levels in which the joints of a body are close together. A wavefront sweep needs such levels
 // (wavefront.h).
 // SPDX-License-Identifier: MIT
 #pragma once

@@ -118,7 +118,7 @@ std::size_t chunk_size_of(const JointWorkspace& work, const JointRange& range) {
 }
 
 void separate_revolute_sinks(const SolverBodies& bodies, const JointRange& range, RevoluteBatches& revolutes) {
-  // The first chunk writes to the sink that the batches have already.
+  // The first chunk writes to the sink that the batches already have.
   for (std::size_t i = range.chunk_size; i < range.last - range.first; ++i)
     redirect_to_sink(bodies, revolutes.batches[range.first + i], i / range.chunk_size);
 }

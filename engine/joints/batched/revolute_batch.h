@@ -19,10 +19,10 @@ struct SolvedSet;
 struct SolverBodies;
 struct State;
 
-/// How plain revolute joints are solved.
+/// The order in which plain revolute joints are solved.
 enum class RevoluteOrder : std::uint8_t {
-  levels,  // eight at a time: those of a batch share no moving body
-  serial,  // in the order of the scene, one after the other
+  levels,  // eight at a time: the joints of a batch share no moving body
+  serial,  // in the order of the scene, one at a time
 };
 
 /// The joints of a batch: `count` places of the plan from `first` on.
@@ -34,7 +34,7 @@ struct JointSpan {
 
 struct RevoluteBatches {
   RevoluteOrder order = RevoluteOrder::levels;
-  std::vector<RevoluteBatch> batches;  // the plan says how many are in use
+  std::vector<RevoluteBatch> batches;  // the plan says how many batches are in use
   std::vector<RevoluteArms> arms;      // [front, batch]; each thread of a wavefront sweep has its own
   Softness soft;
 };
@@ -48,7 +48,7 @@ void list_fields(RevoluteBatches& of, const Visit& visit) {
 /// The least number of batches per chunk for which a second thread pays.
 inline constexpr std::size_t joint_batches_per_chunk_least = 10;
 
-/// Prefetches the state row of a joint some places later: joints of a level are scattered in memory.
+/// Prefetches the state row of a joint several places ahead: joints of a level are scattered in memory.
 void prefetch_joint(const State& state, std::span<const JointPlace> places, std::size_t place);
 
 /// Clears a batch: empty lanes read the dummy body and write to a sink.
@@ -72,7 +72,7 @@ void warm_start_revolutes(const SolvedSet& solved, JointWorkspace& work, const J
                           std::size_t front);
 void solve_revolutes(const SolvedSet& solved, JointWorkspace& work, const JointRange& range, Bias bias,
                      std::size_t front);
-/// Impulses of the batches first..last-1 back to state.joints, as forces.
+/// Stores the impulses of the batches first..last-1 in state.joints, as forces.
 void store_revolutes(const RevoluteBatches& revolutes, std::size_t first, std::size_t last, Real h, State& state);
 
 }  // namespace ticktrue::engine::TICKTRUE_PRECISION

@@ -1,7 +1,7 @@
-// The inner loops of plain revolute joints, several at a time or one after the other.
+// The inner loops of plain revolute joints, several joints at a time or one at a time.
 // SPDX-License-Identifier: MIT
-// Source: as joint_rows.h. Each lane does the operations of solve_revolute (joint_point.cpp) in the same order. So does
-// the serial path, but for additions of zero, which fix the signs of zeros.
+// Source: as joint_rows.h. Each lane does the operations of solve_revolute (joint_point.cpp) in the same order. The
+// serial path does the same, except for some additions of zero, which only affect signs of zeros.
 #include "engine/joints/batched/revolute_simd.h"
 
 namespace ticktrue::engine::TICKTRUE_PRECISION::TICKTRUE_ISA {
@@ -19,7 +19,7 @@ TICKTRUE_INLINE PointConstraint compute_constraint(const LaneRange& lanes, const
   const RealxN one = broadcast(1);
   const Arms arms = load_arms(lanes, pair, bodies);
   const PointMobility<RealxN> k = mobility_of(pair, arms);
-  // Empty lanes have no mobility. They divide by one.
+  // Empty lanes have no mobility: their divisor is one.
   const PointConstraint constraint{arms, k.k11, k.k12, k.k22, one / (k.determinant > RealxN{} ? k.determinant : one)};
   lanes.store(out.ax, arms.ax);
   lanes.store(out.ay, arms.ay);
@@ -43,7 +43,8 @@ TICKTRUE_INLINE PointConstraint load_constraint(const LaneRange& lanes, const Re
           lanes.load(from.inv_determinant)};
 }
 
-/// Soft: uses the constraint that the pass before has cached. Rigid: computes it, since bodies have moved.
+/// Soft passes use the constraint that the pass before has cached. Rigid passes compute the constraint, since bodies
+/// have moved.
 template <bool is_soft>
 void solve(const RevoluteWork& work) {
   const RealxN h = broadcast(work.h);
@@ -177,7 +178,7 @@ void warm_start_serial(const RevoluteWork& work) {
   for (std::size_t i = 0; i < work.batch_count; ++i)
     for (int lane = 0; lane < work.batches[i].count; ++lane) {
       SerialRevolute joint(work, i, lane);
-      joint.bw = joint.bw + Real(0);  // as solve_revolute adds the impulses of spring, motor and limits
+      joint.bw = joint.bw + Real(0);  // matches the additions of spring, motor and limits in solve_revolute
       joint.apply_impulse(work.batches[i].impulse_x.at[lane], work.batches[i].impulse_y.at[lane]);
     }
 }

@@ -1,5 +1,5 @@
-// Plain revolute joints as kernels see them: eight that share no dynamic body, or some that are solved one after the
-// other.
+// Plain revolute joints in the layout of the kernels: eight that share no dynamic body, or some that are solved one at
+// a time.
 // SPDX-License-Identifier: MIT
 #pragma once
 
@@ -18,12 +18,12 @@ struct RevoluteBatch {
   Lanes center_offset_x, center_offset_y;  // from A's centre of mass to B's at the start of the tick, m
   Lanes impulse_x, impulse_y;              // N s, accumulated in this substep
   std::uint32_t row[lane_count];           // in State::joints
-  std::int32_t count;                      // lanes from here on are empty
+  std::int32_t count;                      // all later lanes are empty
 };
 
-/// The point constraints of a batch at the present poses: computed once after each change of poses.
+/// The point constraints of a batch at the present poses, computed once after each change of poses.
 struct RevoluteArms {
-  Lanes ax, ay, bx, by;  // from the centres of mass to where the impulse acts, m
+  Lanes ax, ay, bx, by;  // from the centres of mass to the point of the impulse, m
   Lanes ex, ey;          // from A's anchor to B's, m
   Lanes k11, k12, k22, inv_determinant;
 };
@@ -44,7 +44,7 @@ struct RevoluteKernels {
   void (*warm_start_again)(const RevoluteWork& work);
   void (*solve)(const RevoluteWork& work);
   void (*relax)(const RevoluteWork& work);
-  // The serial path, for joints that share bodies. Requires: as above.
+  // The serial path, for joints that share bodies. Requires: as for the functions above.
   void (*warm_start_serial)(const RevoluteWork& work);
   void (*solve_serial)(const RevoluteWork& work);
   void (*relax_serial)(const RevoluteWork& work);

@@ -1,7 +1,7 @@
-// The point constraint of two bodies, for one joint or several at a time: where its impulse acts, and its mobility.
+// The point constraint of two bodies, for one joint or several at a time: the point of its impulse, and its mobility.
 // SPDX-License-Identifier: MIT
-//
-// `V` is Real, or a vector of several: each lane does the same operations. Kernels include this header: it has no code
+// `V` is Real or a vector of lanes: each lane does the same operations. Kernels include this header, so all its code is
+// inlined.
 // that is not inlined.
 #pragma once
 
@@ -28,7 +28,7 @@ struct PointArms {
   V ex, ey;
 };
 
-/// To the anchors. `center_offset`: from A's centre of mass to B's when the tick began.
+/// Arms to the anchors. `center_offset`: from A's centre of mass to B's at the start of the tick.
 template <typename V>
 [[gnu::always_inline]] inline PointArms<V> anchor_arms(const PoseChange<V>& a, const PoseChange<V>& b,
                                                        const PointPair<V>& anchor_a, const PointPair<V>& anchor_b,
@@ -43,8 +43,9 @@ template <typename V>
   return arms;
 }
 
-/// The share of the error by which each arm is lengthened so that both end at the same point: half, while the gap is
-/// small. For a gap beyond the longer arm of a rotating body the share falls, so that a wide gap is no lever.
+/// The share of the error by which each arm is lengthened, so that both arms end at the same point. The share is one
+/// half while the gap is small. If the gap exceeds the longer arm of a rotating body, the share falls, so that a wide
+/// gap is no lever.
 template <typename V>
 [[gnu::always_inline]] inline V middle_share(const PointArms<V>& arms, V inv_inertia_a, V inv_inertia_b) {
   const V zero{};
@@ -82,7 +83,7 @@ template <typename V>
   k.k11 = inv_mass + (ia * arms.ay * arms.ay + ib * arms.by * arms.by);
   k.k12 = -(ia * arms.ax * arms.ay + ib * arms.bx * arms.by);
   k.k22 = inv_mass + (ia * arms.ax * arms.ax + ib * arms.bx * arms.bx);
-  // k11 k22 - k12^2 as a sum of squares (Cauchy-Binet): long arms cancel no digits.
+  // k11 k22 - k12^2 as a sum of squares (Cauchy-Binet): no digits cancel with long arms.
   k.area = arms.ax * arms.by - arms.ay * arms.bx;
   k.determinant =
       inv_mass *
@@ -91,8 +92,8 @@ template <typename V>
   return k;
 }
 
-/// 1 - cos(angle) of an arm that rotates by `angle`, as angle^2 / (2 + angle^2 / 2): off by angle^4 / 12, never
-/// above 2.
+/// 1 - cos(angle) of an arm that rotates by `angle`, as angle^2 / (2 + angle^2 / 2). The error is about angle^4 / 12,
+/// and the value never exceeds 2.
 template <typename V>
 [[gnu::always_inline]] inline V versine(V angle) {
   const V x2 = angle * angle;

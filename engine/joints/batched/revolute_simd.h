@@ -35,7 +35,7 @@ TICKTRUE_INLINE Pair load_pair(const LaneRange& lanes, const Real* bodies) {
           lanes.load(lanes.batch.inv_inertia_b)};
 }
 
-/// Arms to where the impulse acts. `a`, `b`: delta positions and delta rotations of the bodies since the tick began.
+/// Arms to the point of the impulse. `a`, `b`: delta positions and delta rotations of the bodies since the tick began.
 TICKTRUE_INLINE Arms arms_of(const LaneRange& lanes, const Pair& pair, const Columns4xN& a, const Columns4xN& b) {
   const RevoluteBatch& batch = lanes.batch;
   const auto load_two = [&](const Lanes& x, const Lanes& y) -> PointPair<RealxN> {

@@ -10,7 +10,7 @@
 namespace ticktrue::engine::TICKTRUE_PRECISION {
 namespace {
 
-/// A pass over all joints, with the step of all bodies that comes before it.
+/// A pass over all joints, together with the preceding step of all bodies.
 enum class Pass : std::uint8_t { save_velocities, warm_start, warm_start_again, solve, relax };
 
 void step_bodies(const SolvedSet& solved, const LevelSchedule& schedule, const MotionWorkspace& steps, Pass pass,
@@ -78,7 +78,7 @@ struct Passes {
     return pass == Pass::warm_start && i >= per_substep ? Pass::warm_start_again : pass;
   }
 
-  /// The i-th pass in a front that begins at `first`: each front computes the constraints for itself.
+  /// The i-th pass in a front that begins at `first`: each front computes its own constraints.
   Pass of_front(std::size_t i, std::size_t first) const {
     if (at(i) != Pass::warm_start_again) return at(i);
     while (first < i && at(first) == Pass::save_velocities) ++first;
@@ -90,7 +90,7 @@ struct Passes {
     constexpr std::size_t costs[] = {1, 5, 2, 3, 5};
     return costs[static_cast<std::size_t>(at(i))];
   }
-  /// The end of the passes from `first` on that have the cost of `share` of `share_count` equal shares.
+  /// The end of the passes from `first` on whose cost is share `share` of `share_count` equal shares.
   std::size_t up_to_share(std::size_t first, std::size_t share, std::size_t share_count) const {
     std::size_t total = 0;
     for (std::size_t i = 0; i < count; ++i) total += cost(i);
@@ -141,7 +141,7 @@ void solve_wavefront(const SolvedSet& solved, JointWorkspace& work, const Motion
   std::size_t longest = 0;
   for (std::size_t front = 1; front <= pass_front_count; ++front) {
     first[front] = passes.up_to_share(first[front - 1], front, pass_front_count);
-    // A front does not begin with a pass that requires another one before it (revolute_lanes.h).
+    // A front does not begin with a pass that requires another pass before it (revolute_lanes.h).
     if (first[front] < passes.count && passes.at(first[front]) == Pass::solve) ++first[front];
     longest = std::max(longest, first[front] - first[front - 1]);
   }

@@ -11,8 +11,8 @@ namespace {
 
 constexpr std::size_t n = 3;
 
-/// Replaces the leading symmetric block of this dimension, of which the lower half is read, by its inverse by LDL^T.
-/// Requires: definite.
+/// Replaces the leading symmetric block of this dimension by its inverse, by LDL^T. Reads the lower half. Requires:
+/// definite.
 template <std::size_t dimension>
 [[gnu::always_inline]] inline void invert(Block& a) {
   const double inv_0 = 1 / a[0];
@@ -44,7 +44,7 @@ template <std::size_t dimension>
 template <std::size_t dimension>
 using Dimension = std::integral_constant<std::size_t, dimension>;
 
-/// Calls body with the dimension as a constant, so that its loops have no ends to look up.
+/// Calls body with the dimension as a compile-time constant, so that its loops have constant ends.
 template <typename Body>
 [[gnu::always_inline]] inline void with_dimension(std::uint32_t dimension, const Body& body) {
   if (dimension == 3)
@@ -73,14 +73,14 @@ template <std::size_t rows, std::size_t columns>
     }
 }
 
-/// r -= a b^T, with a and b of so many columns.
+/// r -= a b^T; `columns`: of a and b.
 template <std::size_t columns, std::size_t rows_a, std::size_t rows_b>
 [[gnu::always_inline]] inline void subtract_product(Block& r, const Block& a, const Block& b) {
   for (std::size_t i = 0; i < rows_a; ++i)
     for (std::size_t k = 0; k < rows_b; ++k) r[n * i + k] -= row_product<columns>(&a[n * i], &b[n * k]);
 }
 
-/// The same of a symmetric block: its lower half, which inverses are made of.
+/// r -= a b^T for a symmetric block: only the lower half, which is all that inverses read.
 template <std::size_t columns, std::size_t rows>
 [[gnu::always_inline]] inline void subtract_lower(Block& r, const Block& a, const Block& b) {
   for (std::size_t i = 0; i < rows; ++i)
@@ -114,7 +114,7 @@ template <std::size_t columns>
 template <std::size_t columns>
 [[gnu::always_inline]] inline void solve_forward(const JointGraph& graph, BlockSystem& system, std::size_t at) {
   const GraphNode& node = graph.nodes[at];
-  double value[columns];  // element by element: whole ones would be copied through memory
+  double value[columns];  // element by element: copies of whole blocks would go through memory
   for (std::size_t k = 0; k < columns; ++k) value[k] = system.values[at][k];
   for (std::uint32_t i = node.first_block; i < node.first_block + node.block_count; ++i) {
     const std::uint32_t row = graph.block_rows[i];

@@ -3,7 +3,7 @@
 // Source: Vanderbei, "Symmetric Quasidefinite Matrices", SIAM Journal on Optimization 5, 1995: [M, G^T; G, -c] with
 // positive M and c has this factorisation in every order, without pivoting.
 //
-// The operations follow from the graph alone. A row that is not in the system has a gradient of 0 and compliance 1.
+// The graph alone determines the operations. A row that is not in the system has a gradient of 0 and compliance 1.
 #pragma once
 
 #include <array>
@@ -16,21 +16,21 @@ namespace ticktrue::engine {
 using Block = std::array<double, 9>;   // row by row
 using Triple = std::array<double, 3>;  // of a body: x, y, angle; of a joint: its rows
 
-/// [M, G^T; G, -c] (v, -p) = (f, r): v the changes of velocity and p the impulses of the joints, f impulses on bodies
-/// and r the changes that rows ask for.
+/// [M, G^T; G, -c] (v, -p) = (f, r): v are the changes of velocity, p the impulses of the joints, f impulses on bodies,
+/// and r the required changes of the rows' speeds.
 struct BlockSystem {
   std::vector<Block> diagonal;  // [node]; factored: the inverse of the pivot
   std::vector<Block> blocks;    // [block]; factored: L
   std::vector<Triple> values;   // [node] the right-hand side; solved: the solution
-  std::vector<Block> column;    // of the node that is being eliminated
+  std::vector<Block> column;    // of the node in elimination
 };
 
-/// Makes all blocks and values 0.
+/// Sets all blocks and values to 0.
 void clear_system(const JointGraph& graph, BlockSystem& system);
 void set_body(const JointGraph& graph, BlockSystem& system, std::uint32_t body, double mass, double inertia);
 /// Requires: compliances > 0.
 void set_joint(const JointGraph& graph, BlockSystem& system, std::uint32_t joint, const Triple& compliances);
-/// `gradient`: rows of the joint, columns of the body with this place among the joint's bodies.
+/// `gradient`: rows of the joint; columns of one of its bodies. `place`: of this body among the joint's bodies.
 void set_gradient(const JointGraph& graph, BlockSystem& system, std::uint32_t joint, std::uint32_t body_place,
                   const Block& gradient);
 

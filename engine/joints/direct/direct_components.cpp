@@ -1,4 +1,4 @@
-// Components of jointed bodies, and the joints of a scene as the direct solver sees them.
+// Components of jointed bodies, and the joints of a scene in the form of the direct solver.
 // SPDX-License-Identifier: MIT
 #include "engine/joints/direct/direct_components.h"
 
@@ -13,11 +13,11 @@
 namespace ticktrue::engine::TICKTRUE_PRECISION {
 namespace {
 
-/// What a joint is to a component.
+/// The role of a joint in a component.
 enum class JointRole : std::uint8_t {
   rows,       // solved directly
-  force,      // bounded or soft: acts on the component from outside
-  iterative,  // has rigid rows that have no equations here
+  force,      // bounded or soft: an outside force on the component
+  iterative,  // has rigid rows without equations here
 };
 
 JointRole role_of(const JointModel& joint) {
@@ -48,7 +48,7 @@ JointShape shape_of(const JointModel& joint) {
     shape.turns_driven = joint.has_motor;
   }
   if (joint.kind == JointKind::distance) shape.is_driven = !joint.rigid;
-  // A weld with a spring of the angle is a revolute joint with one.
+  // A weld with an angular spring is a revolute joint with a spring.
   if (joint.kind == JointKind::weld && !joint.rigid_angle) shape.kind = JointKind::revolute;
   return shape;
 }
@@ -90,7 +90,7 @@ void DirectComponents::rebuild(const Model& model, const State& state) {
   finish(model, state);
 }
 
-/// Fills the joints of components, and of those that are not left to iteration the bodies.
+/// Fills the joints of all components, and the bodies of components that are not left to iteration.
 void DirectComponents::group_joints(const Model& model, const State& state) {
   std::vector<std::uint32_t> parent(state.bodies.size());
   std::iota(parent.begin(), parent.end(), std::uint32_t{0});
@@ -122,7 +122,7 @@ void DirectComponents::group_joints(const Model& model, const State& state) {
   }
 }
 
-/// Orders the components that are solved directly, and drops the others.
+/// Orders the components that are solved directly, and removes the other components.
 void DirectComponents::finish(const Model& model, const State& state) {
   std::vector<std::uint32_t> index(state.bodies.size());  // [row] in the component's bodies
   std::vector<std::uint32_t> new_number(components_.size(), none);

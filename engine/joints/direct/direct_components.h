@@ -1,9 +1,8 @@
-// Which joints are solved directly: components of bodies that joints connect, with their order of elimination.
+// The joints that are solved directly: components of bodies that joints connect, with their order of elimination.
 // SPDX-License-Identifier: MIT
-//
-// A component is made of dynamic bodies and the joints between them that hold them by rows. Bodies that joints do not
-// move, and contacts, connect nothing. A component with more than `direct_loop_max` loops, or with a joint that has no
-// rows here, is left to iteration. Joints of bounded force alternate with the direct solve, as contacts do.
+// A component consists of dynamic bodies and the joints whose rows hold them together. Bodies that joints do not move
+// connect nothing, and neither do contacts. A component is solved by iteration if it has more than `direct_loop_max`
+// loops, or a joint without rows here. Joints of bounded force alternate with the direct solve, as contacts do.
 #pragma once
 
 #include <cstdint>
@@ -30,10 +29,10 @@ struct DirectPlace {
 
 struct DirectComponent {
   std::vector<std::uint32_t> joints;  // rows in State::joints
-  std::vector<std::uint32_t> bodies;  // rows; those that joints move first, ascending
+  std::vector<std::uint32_t> bodies;  // rows; bodies that joints move come first, ascending
   std::size_t moving_count = 0;
-  bool is_free = true;              // each joint acts on two moving bodies, oppositely
-  std::vector<DirectJoint> shapes;  // [joint] shape and bodies, nothing else
+  bool is_free = true;              // each joint acts on two moving bodies, with opposite impulses
+  std::vector<DirectJoint> shapes;  // [joint] shape and bodies alone
   std::shared_ptr<const JointGraph> graph;
 };
 
@@ -44,14 +43,14 @@ class DirectComponents final : public TickCache {
 
   DirectComponents() : TickCache(CacheKind::joint_graph) {}
 
-  /// Finds the components, unless they hold. `places` is overwritten.
+  /// Finds the components, unless they are valid. `places` is overwritten.
   void follow(const Model& model, const State& state, std::vector<DirectPlace>& places);
   void invalidate() override { is_valid_ = false; }
-  /// No components.
+  /// Removes all components.
   void clear();
 
   std::span<const DirectComponent> components() const { return components_; }
-  /// [row of a joint] 1: it belongs to a component; empty: none does.
+  /// [row of a joint] 1: the joint belongs to a component; empty: there are no components.
   std::span<const std::uint8_t> direct_joints() const { return is_direct_; }
   std::uint32_t component_of(std::size_t row) const { return row < component_of_.size() ? component_of_[row] : none; }
 

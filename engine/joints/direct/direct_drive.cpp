@@ -6,7 +6,7 @@
 namespace ticktrue::engine {
 namespace {
 
-/// Speeds and positions that differ by less are the same: states would change back and forth with the rounding.
+/// Smaller differences of speeds and positions count as none: rounding would make states change back and forth.
 constexpr double tolerance = 1e-9;
 
 RowLaw spring_law(const DirectDrive& drive, double mobility) {
@@ -15,7 +15,7 @@ RowLaw spring_law(const DirectDrive& drive, double mobility) {
           drive.start_speed - (drive.loss * drive.start_speed + drive.pull * drive.start_error) / drive.give, 0};
 }
 
-/// A spring and a constant impulse beside it.
+/// The law of a spring with a constant additional impulse.
 RowLaw pushed_law(const DirectDrive& drive, double mobility, double impulse) {
   RowLaw law = spring_law(drive, mobility);
   law.speed += law.compliance * impulse;

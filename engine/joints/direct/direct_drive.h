@@ -1,12 +1,12 @@
-// What acts on a degree of freedom of a joint in the direct solver: a spring, a motor of bounded force, two limits.
+// The drive of a degree of freedom of a joint in the direct solver: a spring, a motor of bounded force, two limits.
 // SPDX-License-Identifier: MIT
 // Source: derived here from the exact spring step (engine/joints/joint_spring.h).
 //
-// A row of the system is u + c p = w: u its speed, p its impulse. The spring's step p = -m (loss v + pull x + give (o -
-// v)), o the speed without p, m = 1 / K, is such a row, since u = o + K p:
+// A row of the system is u + c p = w: u its speed, p its impulse. The spring's step is p = -m (loss v + pull x + give
+// (o - v)), with o the speed without p and m = 1 / K. This step is a row of the system, since u = o + K p:
 //   c = (1 - give) K / give,  w = v - (loss v + pull x) / give
 // A motor is the row u = speed while its impulse is within its bounds, and a constant impulse beyond. A limit that
-// would be passed is a row that meets the limit, while it pushes.
+// would be exceeded is a row that meets the limit, while its impulse pushes.
 #pragma once
 
 #include <cstdint>
@@ -32,7 +32,7 @@ struct DirectDrive {
   double start_error = 0;  // x
 };
 
-/// A row as the system sees it. Outside of the system its impulse is given.
+/// The equation of a row in the system. Outside of the system, the impulse of a row is given.
 struct RowLaw {
   bool is_in_system = false;
   double compliance = 0;
@@ -43,8 +43,8 @@ struct RowLaw {
 inline bool is_at_limit(const DirectDrive& drive) {
   return drive.state == DriveState::at_lower || drive.state == DriveState::at_upper;
 }
-/// Rows that hold a speed or a position move the body by the whole of their impulse, as rigid rows do. The others act
-/// like forces.
+/// Rows that hold a speed or a position move the body by their whole impulse, as rigid rows do. Other rows act like
+/// forces.
 inline bool acts_like_force(const DirectDrive& drive) {
   return drive.state != DriveState::motor && !is_at_limit(drive);
 }
@@ -52,15 +52,16 @@ inline bool exists(const DirectDrive& drive) {
   return drive.has_spring || drive.has_motor || drive.has_limits;
 }
 
-/// `mobility` > 0: K of the row alone. Limits: the speed is 0, the caller knows the position.
+/// `mobility` > 0: K of the row alone. For limits the returned speed is 0: the caller knows the position.
 RowLaw law_of(const DirectDrive& drive, double mobility);
-/// In the pass after the move springs and bounded motors rest: their rows are outside, with the impulse they have.
+/// The law in the pass after the move. Springs and bounded motors are outside of the system, with their present
+/// impulse.
 RowLaw law_after_move(const DirectDrive& drive, double impulse);
 
 /// The motor's part of a row's impulse.
 double motor_impulse(const DirectDrive& drive, double mobility, double impulse);
 
-/// Sets the state for a row with this impulse and speed, over a substep of length h. True: it changed.
+/// Sets the state for a row with this impulse and speed, over a substep of length h. True: the state has changed.
 bool update_state(DirectDrive& drive, double mobility, double impulse, double speed, double h);
 
 }  // namespace ticktrue::engine

@@ -10,23 +10,23 @@
 namespace ticktrue::engine {
 namespace {
 
-/// Of the mobility of a row alone. Rows that follow from others get more: their impulses have no other bound.
+/// Relative to the mobility of a row alone. Redundant rows get more, since nothing else bounds their impulses.
 constexpr double compliance_share = 1e-10;
 constexpr double redundant_compliance_share = 1e-8;
 
 constexpr double push_rate = 0.2;         // of a gap in a substep
 constexpr double push_speed_max = 3;      // m/s, of a row
 constexpr double push_body_speed = 0.1;   // m/s: the push has at most the energy of all bodies at this speed
-constexpr double gap_of_rounding = 1e-6;  // m: taken back without that bound
+constexpr double gap_of_rounding = 1e-6;  // m: corrected without this bound
 
-/// h^2 F r in units of the inertia.
+/// The limit of h^2 F r, relative to the inertia.
 constexpr double turning_limit = 2;
 
 constexpr double miss_least = 1e-3;          // m
 constexpr double hard_energy_share = 0.1;    // of the kinetic energy
 constexpr double own_energy_share = 4;       // of the kinetic energy, for changes by rows
 constexpr double driven_energy_share = 100;  // the same where a body drives others through levers
-constexpr double resting_body_speed = 0.05;  // m/s: energy that bodies at rest are taken to have
+constexpr double resting_body_speed = 0.05;  // m/s: bodies at rest count with the energy of this speed
 
 double magnitude(double x) {
   return x < 0 ? -x : x;
@@ -51,7 +51,7 @@ double mobility(const DirectBody& body, const Block& gradient, std::size_t row, 
   return (g[0] * q[0] + g[1] * q[1]) * body.inv_mass + g[2] * q[2] * body.inv_inertia;
 }
 
-/// sin_cos, faster for the angles of most substeps.
+/// sin_cos, faster for small angles.
 SinCos turn_by(double angle) {
   if (!(magnitude(angle) < 0.125)) return sin_cos(angle);
   const double z = angle * angle;  // the terms left out are below 1e-18
@@ -88,7 +88,7 @@ double row_speed(const DirectIsland& island, const DirectJoint& joint, std::size
   return speed;
 }
 
-/// The same of the velocities with which bodies move.
+/// The speed of a row for the velocities with which bodies move.
 double row_drift(const DirectIsland& island, const DirectJoint& joint, std::size_t row) {
   double speed = row_speed(island, joint, row);
   if (is_moving(island, joint.body_a))
@@ -105,10 +105,10 @@ void apply_impulse(DirectBody& body, const Block& gradient, std::size_t row, dou
   body.velocity[2] += g[2] * impulse * body.inv_inertia;
 }
 
-/// Changes of states in a pass. Most substeps have none.
+/// The largest number of state changes in a pass. Most substeps have none.
 constexpr int state_change_max = 3;
 
-/// Of the speed of one row by the impulse of another one.
+/// The change of the speed of row `row` per impulse of row `other`.
 double coupling(const DirectIsland& island, const DirectJoint& joint, std::size_t row, std::size_t other) {
   double sum = 0;
   if (is_moving(island, joint.body_a))
@@ -128,7 +128,7 @@ const DirectDrive& drive_of(const DirectJoint& joint, std::size_t row) {
   return joint.drives[row - joint.equations.rigid_count];
 }
 
-/// What is taken back of a gap in a substep, m.
+/// The correction of a gap in a substep, m.
 double taken_back(double error, double h) {
   const double most = push_speed_max * h;
   const double wanted = push_rate * error;
@@ -136,13 +136,13 @@ double taken_back(double error, double h) {
   return wanted < -most ? -most : wanted;
 }
 
-/// What a row's error is to be after the substep.
+/// The target of a row's error after the substep.
 double target_of(const DirectIsland& island, double error, double h) {
   return error - island.push_share * taken_back(error, h);
 }
 
-/// Takes the momentum of the solution's velocities off, by the same velocity for all bodies: rows of joints between
-/// bodies do not see that. The elimination leaves some by rounding, the more the more masses differ.
+/// Removes the momentum of the solution: subtracts the same velocity from all bodies, which joints between bodies do
+/// not notice. The elimination leaves some momentum by rounding, more if masses differ more.
 void remove_momentum(DirectIsland& island) {
   double mass = 0;
   double x = 0;
@@ -166,7 +166,7 @@ void solve_system(DirectIsland& island) {
   if (island.is_free) remove_momentum(island);
 }
 
-/// The same, and adds the solution to velocities.
+/// Solves for system.values and adds the solution to velocities.
 void add_velocities(DirectIsland& island) {
   solve_system(island);
   for (std::size_t i = 0; i < island.moving_count; ++i) {
@@ -175,7 +175,7 @@ void add_velocities(DirectIsland& island) {
   }
 }
 
-/// The same, and to impulses.
+/// Solves for system.values and adds the solution to velocities and impulses.
 void add_solution(DirectIsland& island) {
   add_velocities(island);
   for (std::size_t i = 0; i < island.joints.size(); ++i) {
@@ -185,7 +185,7 @@ void add_solution(DirectIsland& island) {
   }
 }
 
-/// Sets the right-hand side: residual(joint, row) is what a row's speed is off by.
+/// Sets the right-hand side. residual(joint, row): the error of a row's speed.
 template <typename Residual>
 void set_residuals(DirectIsland& island, const Residual& residual) {
   for (Triple& value : island.system.values) value = {};
@@ -196,7 +196,7 @@ void set_residuals(DirectIsland& island, const Residual& residual) {
   }
 }
 
-/// The speed that a row before the move is off by. `then`: its error after the move.
+/// The error of a row's speed before the move. `then`: the row's position error after the move.
 double residual_of(const DirectIsland& island, const DirectJoint& joint, std::size_t row, double then, double h) {
   const double soft = joint.compliances[row] * joint.impulses[row];
   if (row < joint.equations.rigid_count) return (then - target_of(island, joint.equations.errors[row], h)) / h + soft;
@@ -212,7 +212,7 @@ double residual_of(const DirectIsland& island, const DirectJoint& joint, std::si
   return (then - (is_beyond ? limit + target_of(island, over, h) : limit)) / h + soft;
 }
 
-/// One pass with the error after the move as the speeds tell, to first order.
+/// One pass in which the errors after the move follow from the speeds, to first order.
 void pass_to_speeds(DirectIsland& island, double h) {
   set_residuals(island, [&island, h](const DirectJoint& joint, std::size_t row) {
     const double then = joint.equations.errors[row] + h * row_drift(island, joint, row);
@@ -221,8 +221,8 @@ void pass_to_speeds(DirectIsland& island, double h) {
   add_solution(island);
 }
 
-/// Sets the right-hand side from the errors after the move. Returns by how much the rigid rows miss their targets, m or
-/// rad.
+/// Sets the right-hand side from the errors after the move. Returns the largest distance of a rigid row from its
+/// target, m or rad.
 double set_position_residuals(DirectIsland& island, double h) {
   find_moved_poses(island, h);
   for (Triple& value : island.system.values) value = {};
@@ -263,7 +263,7 @@ void factor_laws(DirectIsland& island) {
     const bool is_redundant = island.graph->nodes[island.graph->joint_nodes[i]].is_redundant;
     const double share = is_redundant ? redundant_compliance_share : compliance_share;
     const auto stays = [&](std::uint32_t body) { return is_moving(island, body) && !turns(body); };
-    bool is_whole = !stays(joint.body_a) && !stays(joint.body_b);  // the gradients are those of the system
+    bool is_whole = !stays(joint.body_a) && !stays(joint.body_b);  // whether the gradients enter the system unchanged
     for (std::size_t row = 0; row < 3; ++row) {
       joint.compliances[row] = 1;
       if (row >= joint.equations.row_count) continue;
@@ -291,7 +291,7 @@ void factor_laws(DirectIsland& island) {
   factor(*island.graph, island.system);
 }
 
-/// Calls body(joint, row, drive, mobility) for every row with a drive.
+/// Calls body(joint, row, drive, mobility) for each row with a drive.
 template <typename Body>
 void for_drives(DirectIsland& island, const Body& body) {
   for (DirectJoint& joint : island.joints)
@@ -309,7 +309,7 @@ void apply_row(DirectIsland& island, const DirectJoint& joint, std::size_t row, 
     apply_impulse(island.bodies[joint.body_b], joint.equations.gradient_b, row, impulse);
 }
 
-/// Lets drives change their states after a pass. True: some has, and the system is factored anew.
+/// Updates the states of drives after a pass. True: a state has changed, and the system is factored again.
 bool change_states(DirectIsland& island, double h) {
   bool is_changed = false;
   for_drives(island, [&](const DirectJoint& joint, std::size_t row, DirectDrive& drive, double k) {
@@ -326,14 +326,14 @@ bool change_states(DirectIsland& island, double h) {
   return true;
 }
 
-/// Runs a pass again while drives change their states.
+/// Repeats a pass while states of drives change.
 template <typename Pass>
 void settle(DirectIsland& island, double h, const Pass& pass) {
   if (!island.has_drives) return;
   for (int change = 0; change < state_change_max && change_states(island, h); ++change) pass(island, h);
 }
 
-/// Velocities and impulses: the saved ones and `share` of what was added since.
+/// Scales by `share` the changes of velocities and impulses since save_velocities.
 void scale_changes(DirectIsland& island, double share) {
   for (std::size_t i = 0; i < island.moving_count; ++i)
     for (std::size_t k = 0; k < 3; ++k) {
@@ -368,13 +368,13 @@ void restore_velocities(DirectIsland& island) {
   }
 }
 
-/// Twice the energies of the changes since save_velocities, and before them, J.
+/// Twice the energy of the changes since save_velocities, and twice the energy before the changes, J.
 struct EnergyDemand {
   double asked = 0;
   double had = 0;
 };
 
-/// `speed`: bodies are taken to have at least the energy of this speed besides their own, m/s.
+/// `speed`: the energy of each body counts with the energy of this speed added, m/s.
 EnergyDemand energy_demand(const DirectIsland& island, double speed) {
   EnergyDemand demand;
   for (std::size_t i = 0; i < island.moving_count; ++i) {
@@ -387,7 +387,7 @@ EnergyDemand energy_demand(const DirectIsland& island, double speed) {
   return demand;
 }
 
-/// What rows ask for besides rest, m/s.
+/// The speeds that rows require besides rest, m/s.
 struct AskedSpeed {
   double sum = 0;
   bool is_driven = false;  // by a body that joints do not move
@@ -416,8 +416,8 @@ AskedSpeed asked_speed(const DirectIsland& island) {
   return asked;
 }
 
-/// Rows take velocities away, apart from what they ask for. Changes beyond that are of rows that contradict each other:
-/// a gap opens instead. Requires: save_velocities before the changes.
+/// Rows only remove velocities, apart from the speeds that they require. Larger changes come from rows that contradict
+/// each other: the function scales the changes, and a gap opens. Requires: save_velocities before the changes.
 void bound_changes(DirectIsland& island) {
   const AskedSpeed speed = asked_speed(island);
   const EnergyDemand demand = energy_demand(island, speed.sum);
@@ -442,7 +442,7 @@ GraphJoint graph_joint(const DirectJoint& joint, std::size_t moving_count, bool 
   if (a_moves) row.bodies[row.body_count++] = joint.body_a;
   if (b_moves) row.bodies[row.body_count++] = joint.body_b;
   row.is_to_world = !a_moves || !b_moves;
-  row.is_last = joint.shape.kind == JointKind::pulley;  // a short side has no direction
+  row.is_last = joint.shape.kind == JointKind::pulley;  // the direction of a short side is undefined
   const JointEquations equations = equations_of(joint.shape, Pose{}, Pose{});
   for (std::uint32_t i = 0; i < equations.row_count; ++i) {
     const auto acts = [i](const Block& gradient, bool moves, bool turns) {
@@ -497,7 +497,7 @@ void factor_island(DirectIsland& island) {
 double drive_mobility(const DirectIsland& island, const DirectJoint& joint, std::size_t row) {
   const double k = mobility(island, joint, row);
   const std::uint32_t rigid_count = joint.equations.rigid_count;
-  // Wheels and their chassis are sprung as if the row across the axis were not there.
+  // The springs of wheels ignore the row across the axis.
   if (rigid_count == 0 || joint.shape.kind == JointKind::wheel) return k;
   const double k00 = mobility(island, joint, 0);
   const double k0 = coupling(island, joint, row, 0);

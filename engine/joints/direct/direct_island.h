@@ -7,11 +7,12 @@
 //   x' = x moved by h v'
 //   v" = v' + M^-1 G(x')^T q  with  G(x') v" = 0                     project_velocities
 //
-// The first is solved by a few passes with the matrix of the poses x; the error falls by about h w in each, w the spin.
-// Energy then oscillates and does not drift. Two guards keep it from growing: passes that miss the target are taken
-// back, which leaves G(x) v' = 0; passes that ask for more than a tenth of the kinetic energy are scaled.
+// The first equation is solved by a few passes with the matrix of the poses x. The error falls by about h w in each
+// pass, with w the spin. The energy then oscillates and does not drift. Two guards keep the energy from growing. If the
+// passes miss the target, their changes are discarded, which leaves G(x) v' = 0. If the passes add more than a tenth of
+// the kinetic energy, their changes are scaled.
 //
-// A gap is taken back by a velocity of bounded energy that bodies have during the move alone (the push).
+// A gap is corrected by a velocity of bounded energy that bodies have during the move alone (the push).
 #pragma once
 
 #include <cstdint>
@@ -29,9 +30,9 @@ inline constexpr std::uint32_t no_direct_body = 0xffffffff;
 struct DirectBody {
   Pose pose;
   Triple velocity{};    // m/s, m/s, rad/s
-  Triple lag{};         // the velocity less that with which the body moves
-  double mass = 1;      // kg; of bodies that joints do not move: any
-  double inertia = 1;   // kg m^2; 0: the body does not turn
+  Triple lag{};         // the velocity less the velocity of the move
+  double mass = 1;      // kg; of bodies that joints do not move: any value
+  double inertia = 1;   // kg m^2; 0: the body does not rotate
   double inv_mass = 1;  // filled by factor_island
   double inv_inertia = 1;
 };
@@ -44,23 +45,23 @@ struct DirectJoint {
   Triple impulses{};                  // of this substep, before the move
   JointEquations equations;           // at the poses of the last factor_island
   std::array<RowLaw, 3> laws;
-  Triple compliances{};  // 1/kg or alike
+  Triple compliances{};  // 1/kg or 1/(kg m^2)
 };
 
 enum class PositionOutcome : std::uint8_t { met, scaled, missed };
 
 struct DirectIsland {
-  std::vector<DirectBody> bodies;  // those that joints move first
-  std::size_t moving_count = 0;    // the others have a pose and a velocity of their own
+  std::vector<DirectBody> bodies;  // bodies that joints move come first
+  std::size_t moving_count = 0;    // the other bodies have their own pose and velocity
   std::vector<DirectJoint> joints;
   std::shared_ptr<const JointGraph> graph;
   BlockSystem system;
   std::vector<Triple> push;           // [moving body] velocities; empty: none
   std::vector<Triple> push_impulses;  // [joint]
-  double push_share = 1;              // of what is to be taken back
+  double push_share = 1;              // of the wanted correction
   bool has_drives = false;
-  bool is_free = false;           // each joint acts on two moving bodies, oppositely: momentum stays
-  std::vector<Pose> moved_poses;  // [body] by the present velocities
+  bool is_free = false;           // each joint acts on two moving bodies, with opposite impulses: momentum stays
+  std::vector<Pose> moved_poses;  // [body] after a move with the present velocities
   std::vector<Triple> saved_velocities;
   std::vector<Triple> saved_impulses;
   std::vector<std::array<DirectDrive, 2>> saved_drives;
@@ -70,41 +71,41 @@ struct DirectIsland {
 /// The body after a substep with its velocity.
 Pose moved(const DirectBody& body, double h);
 
-/// The joint as the graph sees it. Bodies below `moving_count` are moved by joints; `turns(body)`: not by linear
-/// impulses alone.
+/// The joint as a node of the graph. Joints move the bodies below `moving_count`. `a_turns`, `b_turns`: the body can
+/// rotate.
 GraphJoint graph_joint(const DirectJoint& joint, std::size_t moving_count, bool a_turns, bool b_turns);
 /// Whether the joint acts on two moving bodies, with opposite impulses.
 bool is_internal(const DirectJoint& joint, std::size_t moving_count);
-/// Makes the graph of bodies that all are moved by joints. Call again when bodies or joints were added or removed.
+/// Makes the graph of bodies that joints all move. Call again when bodies or joints were added or removed.
 void order_island(DirectIsland& island);
-/// Equations and matrix of the present poses, for project_velocities.
+/// Computes equations and matrix at the present poses, for project_velocities.
 void factor_island(DirectIsland& island);
 /// The mobility of a driven row while the rigid rows of its joint hold. Requires: factor_island.
 double drive_mobility(const DirectIsland& island, const DirectJoint& joint, std::size_t row);
 
 /// Whether some joint has an impulse.
 bool has_impulses(const DirectIsland& island);
-/// Raises inertias where impulses of joints turn bodies faster than substeps can follow
-/// (engine/joints/joint_inertia.h). True: some is raised. Requires: factor_island.
+/// Raises inertias where impulses of joints rotate bodies faster than substeps can follow
+/// (engine/joints/joint_inertia.h). True: an inertia was raised. Requires: factor_island.
 bool raise_inertias(DirectIsland& island, double h);
-/// Adds the changes of velocity by rows that act like forces to those of the moving bodies.
+/// Adds to `changes` the velocity changes of the moving bodies by rows that act like forces.
 void add_force_like_changes(const DirectIsland& island, std::vector<Triple>& changes);
 
-/// Lets the drives act, and chooses the push of this substep. Requires: factored.
+/// Lets the drives act, and chooses the push of this substep. Requires: a factored system.
 void begin_substep(DirectIsland& island, double h);
-/// Takes the impulses of the last substep away and applies those of bounded motors at their bounds. The passes below
-/// find the others anew: those of rows that follow from others have no bound, and would be kicks in the next substep.
+/// Clears the impulses of the last substep and applies the impulses of bounded motors at their bounds. Later passes
+/// recompute all other impulses. Impulses of redundant rows have no bound and would be kicks in the next substep.
 void start_impulses(DirectIsland& island);
-/// Velocities that keep the rows at the push's speed: for passes that alternate with contacts. Requires:
+/// Computes velocities that keep the rows at the push's speed, for passes that alternate with contacts. Requires:
 /// begin_substep.
 void solve_velocities(DirectIsland& island, double h);
-/// Velocities whose move meets the positions, to the tolerance (m, rad) or as well as so many passes do. Requires:
-/// solve_velocities.
+/// Computes velocities whose move meets the positions, to the tolerance (m, rad) or as well as `pass_max` passes can.
+/// Requires: solve_velocities.
 PositionOutcome meet_positions(DirectIsland& island, double h, double tolerance, int pass_max);
-/// Takes the push off: its impulses, at the new poses, which keeps angular momentum. Requires: factored at the poses
-/// after the move.
+/// Removes the push by its impulses at the new poses, which keeps angular momentum. Requires: the system is factored at
+/// the poses after the move.
 void end_push(DirectIsland& island);
-/// Requires: factored at the poses after the move.
+/// Requires: the system is factored at the poses after the move.
 void project_velocities(DirectIsland& island);
 
 }  // namespace ticktrue::engine

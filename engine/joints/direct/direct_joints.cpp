@@ -1,7 +1,7 @@
 // Impulses of rows and the columns of a joint's forces, drives and springs.
 // SPDX-License-Identifier: MIT
 //
-// The columns mean what they mean to the iterative solver (engine/joints/joint_*.cpp), so that a state is read by both.
+// The columns have the meaning of the iterative solver (engine/joints/joint_*.cpp), so that both solvers read a state.
 #include "engine/joints/direct/direct_joints.h"
 
 #include "engine/joints/joint_spring.h"
@@ -18,7 +18,7 @@ bool is_torque(JointKind kind, std::size_t row) {
   return (kind == JointKind::weld && row == 2) || (kind == JointKind::prismatic && row == 1);
 }
 
-/// Springs and limits of a wheel act on its first driven row if it has two, the motor on the last one.
+/// On a wheel with two driven rows, springs and limits act on the first one and the motor on the last one.
 bool takes_motor(const JointShape& shape, std::size_t drive) {
   return shape.kind != JointKind::wheel || drive == (shape.is_driven ? 1u : 0u);
 }
@@ -40,7 +40,7 @@ DirectDrive make_drive(const JointModel& model, const JointShape& shape, const J
   if (takes_spring(shape, index)) {
     drive.has_spring = model.spring.exists;
     drive.has_limits = model.has_limits;
-    const double zero = shape.kind == JointKind::distance ? shape.length : 0;  // of the limits
+    const double zero = shape.kind == JointKind::distance ? shape.length : 0;  // the origin of the limits
     drive.lower = wide(model.lower) - zero;
     drive.upper = wide(model.upper) - zero;
   }
@@ -74,7 +74,7 @@ void fill_impulses(const JointRow& row, double h, DirectJoint& joint) {
   }
 }
 
-/// A weld with a spring of the angle keeps the spring's torque where welds have theirs.
+/// A weld with an angular spring stores the spring's torque in the column of a weld's torque.
 bool keeps_spring_as_torque(const JointModel& model) {
   return model.kind == JointKind::weld;
 }

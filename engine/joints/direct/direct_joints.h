@@ -11,11 +11,12 @@ namespace ticktrue::engine::TICKTRUE_PRECISION {
 /// The present pose of a body of the state that has moved since the tick began.
 Pose pose_of(const BodyRow& at_start, const MovingBody& moved);
 
-/// Fills the joints with impulses and drives of a substep. Springs are only told to exist.
+/// Fills the joints with impulses and drives of a substep; fill_springs adds the coefficients of springs.
 void fill_joints(const SolvedSet& solved, const DirectComponent& component, DirectIsland& island);
 /// Fills the coefficients of springs. Requires: factor_island.
 void fill_springs(const SolvedSet& solved, const DirectComponent& component, DirectIsland& island);
-/// Where no joint has an impulse yet: those under gravity. Requires: factor_island, the velocities of the tick's start.
+/// If no joint has an impulse yet: finds the impulses under gravity. Requires: factor_island, the velocities of the
+/// tick's start.
 void find_first_impulses(const SolvedSet& solved, const DirectComponent& component, DirectIsland& island);
 
 void store_joint_forces(const SolvedSet& solved, const DirectComponent& component, const DirectIsland& island,

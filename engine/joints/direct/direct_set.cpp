@@ -1,4 +1,4 @@
-// The direct joint solver in a solver set: what goes in and out of its islands.
+// The direct joint solver in a solver set: input and output of its islands.
 // SPDX-License-Identifier: MIT
 #include "engine/joints/direct/direct_set.h"
 
@@ -9,10 +9,10 @@
 namespace ticktrue::engine::TICKTRUE_PRECISION {
 namespace {
 
-/// The error of each pass that meets the positions is that of the one before times the angle of a substep.
+/// Each pass that meets the positions multiplies the error by the angle of a substep.
 constexpr int position_pass_max = 4;
 constexpr double position_tolerance = sizeof(Real) == 4 ? 1e-8 : 1e-12;  // m, rad; below the rounding of poses
-/// Turns of joints and contacts before the move, and after it.
+/// The number of alternations of joints and contacts before the move, and after it.
 constexpr int turn_count_of_touched = 2;
 
 Triple velocity_of(const MovingBody& body) {
@@ -35,7 +35,7 @@ template <typename Body>
   });
 }
 
-/// Calls body(component, island) for the islands of the set. Sets without any pay next to nothing.
+/// Calls body(component, island) for the islands of the set. A set without islands costs almost nothing.
 template <typename Body>
 void for_islands(const SolvedSet& solved, DirectWorkspace& work, const Body& body) {
   if (!work.set_components.empty()) for_some_islands(solved, work, body);
@@ -67,7 +67,7 @@ void store_velocities_of(const SolvedSet& solved, const DirectComponent& compone
   }
 }
 
-/// Loads velocities, and how far behind them bodies move.
+/// Loads velocities and lags (DirectBody::lag).
 void load_before_move(const SolvedSet& solved, const MotionWorkspace& motion, const DirectComponent& component,
                       DirectSetIsland& at) {
   load_velocities(solved, component, at);
@@ -82,7 +82,7 @@ void load_before_move(const SolvedSet& solved, const MotionWorkspace& motion, co
   }
 }
 
-/// Stores velocities. The integrator is told of changes that move bodies by their whole. `springs_act`: the impulses of
+/// Stores velocities. Tells the integrator the changes that affect the move in full. `springs_act`: the impulses of
 /// springs may have changed.
 void store_before_move(const SolvedSet& solved, MotionWorkspace& motion, const DirectComponent& component,
                        DirectSetIsland& at, bool springs_act) {
@@ -203,7 +203,7 @@ void solve_direct(const SolvedSet& solved, MotionWorkspace& motion, DirectWorksp
 }
 
 void meet_direct(const SolvedSet& solved, MotionWorkspace& motion, DirectWorkspace& work) {
-  if (!motion.drift.joint_changes.empty()) solve_direct(solved, motion, work);  // drifts follow the springs
+  if (!motion.drift.joint_changes.empty()) solve_direct(solved, motion, work);  // the drift depends on the springs
   for_islands(solved, work, [&](const DirectComponent& component, DirectSetIsland& at) {
     load_before_move(solved, motion, component, at);
     if (motion.drift.joint_changes.empty()) solve_velocities(at.island, static_cast<double>(solved.set.h));

@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: MIT
 //
 // Contacts and joints of bounded force alternate with the direct solve. An island of jointed bodies is independent of
-// the others and is computed in doubles, so neither the number of threads nor their order changes a bit.
+// other islands and is computed in doubles. The number and order of threads therefore change no bit.
 #pragma once
 
 #include <cstddef>
@@ -36,10 +36,10 @@ void list_fields(DirectIsland& of, const Visit& visit) {
 
 namespace ticktrue::engine::TICKTRUE_PRECISION {
 
-/// The island of a component, and how its joints have changed its bodies' velocities in this substep.
+/// The island of a component, and the velocity changes of its bodies by its joints in this substep.
 struct DirectSetIsland {
   DirectIsland island;
-  std::vector<Triple> loaded;   // [moving body] velocities when they were loaded
+  std::vector<Triple> loaded;   // [moving body] velocities as loaded
   std::vector<Triple> changes;  // [moving body] by all joints
   std::vector<Triple> forces;   // [moving body] by rows that act like forces
 };
@@ -54,8 +54,8 @@ struct DirectWorkspace {
   DirectComponents components;
   std::vector<DirectPlace> places;
   std::vector<DirectSetIsland> islands;       // [component]
-  std::vector<std::uint32_t> set_components;  // of the set that is being solved
-  int turn_count = 1;                         // how often joints and contacts take turns in the set
+  std::vector<std::uint32_t> set_components;  // of the present set
+  int turn_count = 1;                         // alternations of joints and contacts in the set
 };
 
 template <typename Visit>
@@ -73,19 +73,19 @@ void prepare_direct(const SolvedSet& solved, const JointPlan& plan, const std::v
                     MotionWorkspace& motion, DirectWorkspace& work);
 /// Lets springs, motors and limits act. Call before the integrator predicts.
 void begin_direct_substep(const SolvedSet& solved, DirectWorkspace& work);
-/// Applies impulses that are given: of motors at their bounds. Call after the integrator has predicted.
+/// Applies the given impulses: those of motors at their bounds. Call after the integrator has predicted.
 void start_direct(const SolvedSet& solved, MotionWorkspace& motion, DirectWorkspace& work);
-/// Velocities that keep the joints, for passes that take turns with contacts.
+/// Computes velocities that keep the joints, for passes that alternate with contacts.
 void solve_direct(const SolvedSet& solved, MotionWorkspace& motion, DirectWorkspace& work);
-/// Velocities with which the bodies' move meets the joints. Call last before the move.
+/// Computes velocities with which the bodies' move meets the joints. Call last before the move.
 void meet_direct(const SolvedSet& solved, MotionWorkspace& motion, DirectWorkspace& work);
-/// Takes the new poses, and takes off what was added for the move alone.
+/// Loads the new poses, and removes the push.
 void end_direct_move(const SolvedSet& solved, DirectWorkspace& work);
-/// Velocities that keep the joints at the present poses. Requires: end_direct_move.
+/// Computes velocities that keep the joints at the present poses. Requires: end_direct_move.
 void project_direct(const SolvedSet& solved, DirectWorkspace& work);
-/// The same of a set after the solver has ended.
+/// The same as project_direct for a set, after the solver has ended.
 void project_direct_again(const SolvedSet& solved, DirectWorkspace& work);
-/// Impulses back to state.joints, as forces.
+/// Stores the impulses in state.joints, as forces.
 void store_direct(const SolvedSet& solved, const DirectWorkspace& work, State& state);
 
 }  // namespace ticktrue::engine::TICKTRUE_PRECISION

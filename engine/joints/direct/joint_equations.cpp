@@ -34,8 +34,8 @@ Place rotate(const Pose& pose, Place a) {
   return {pose.c * a.x - pose.s * a.y, pose.s * a.x + pose.c * a.y};
 }
 
-/// The share of a gap by which arms are lengthened to meet: half, while it is small; less where it is wider than the
-/// longer arm, so that a wide gap is no lever.
+/// The share of a gap by which arms are lengthened to meet: one half while the gap is small. If the gap is wider than
+/// the longer arm, the share is less, so that a wide gap is no lever.
 double middle_share(Place arm_a, Place arm_b, Place d) {
   const double of_a = dot(arm_a, arm_a);
   const double of_b = dot(arm_b, arm_b);
@@ -44,7 +44,7 @@ double middle_share(Place arm_a, Place arm_b, Place d) {
   return arm2 > 0 && gap2 > arm2 ? 0.5 * (arm2 / gap2) : 0.5;
 }
 
-/// Writes the first two rows, of a point. The other entries of their gradients are 0.
+/// Writes the first two rows, those of a point. The other entries of their gradients are 0.
 void write_point(const JointShape& shape, const Pose& a, const Pose& b, JointEquations& equations) {
   Place arm_a = rotate(a, shape.anchor_a);
   Place arm_b = rotate(b, shape.anchor_b);
@@ -64,16 +64,16 @@ void write_point(const JointShape& shape, const Pose& a, const Pose& b, JointEqu
   equations.gradient_b[5] = arm_b.x;
 }
 
-/// Writes one row after the other.
+/// Writes rows one at a time.
 class Rows {
  public:
   Rows(const JointShape& shape, const Pose& a, const Pose& b)
       : shape_(shape), a_(a), b_(b), arm_a_(rotate(a, shape.anchor_a)), arm_b_(rotate(b, shape.anchor_b)) {}
 
-  /// From A's anchor to B's. The positions first: far from the origin, their difference is exact.
+  /// From A's anchor to B's. Positions are subtracted first: far from the origin, their difference is exact.
   Place gap() const { return point_gap(shape_, a_, b_); }
 
-  /// Requires: no row is written yet.
+  /// Requires: no row has been written.
   void point() {
     write_point(shape_, a_, b_, equations_);
     equations_.row_count = 2;
@@ -84,7 +84,7 @@ class Rows {
     turn(arc_tangent(s * shape_.reference_c - c * shape_.reference_s, c * shape_.reference_c + s * shape_.reference_s));
   }
   void turn(double error) { add(error, {0, 0}, -1, {0, 0}, 1); }
-  /// Along an axis that turns with A.
+  /// A row along an axis that rotates with A.
   void along(Place axis) {
     const Place d = gap();
     add(dot(axis, d), -1.0 * axis, -cross(arm_a_ + d, axis), axis, cross(arm_b_, axis));
@@ -109,7 +109,7 @@ class Rows {
   Place axis() const { return rotate(a_, shape_.axis); }
 
  private:
-  static constexpr double side_share_least = 1.0 / 200;  // of the rope; shorter sides have no direction
+  static constexpr double side_share_least = 1.0 / 200;  // of the rope; the direction of shorter sides is undefined
 
   Place direction_of(Place side) const {
     const double length = length_of(side);

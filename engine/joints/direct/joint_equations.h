@@ -1,9 +1,9 @@
-// What a joint asks of the poses of its two bodies: the errors of its rows and their gradients, in doubles.
+// The equations of a joint on the poses of its two bodies: errors of its rows and their gradients, in doubles.
 // SPDX-License-Identifier: MIT
 // Source: Catto, "Modeling and Solving Constraints", GDC 2009; pulley: Box2D 2.4.1, b2_pulley_joint.cpp.
 //
-// Gradients are those of the errors themselves, with the angle of a body as its third coordinate: the solver meets the
-// positions at the end of a substep, so an anchor's gap turns with the body. With `meets_in_middle` they are those of
+// Gradients are those of the errors, with the angle of a body as its third coordinate. The solver meets the positions
+// at the end of a substep, so an anchor's gap rotates with the body. With `meets_in_middle`, gradients are those of
 // anchors without a gap. Rigid rows come first.
 //
 // | kind      | rigid rows             | rows of the degree of freedom, where something acts on it |
@@ -57,10 +57,10 @@ struct JointEquations {
   Block gradient_b{};
 };
 
-/// Has equations here: kinds that hold bodies, not those that drive them with bounded forces.
+/// Whether the kind has equations here. Kinds that drive bodies with bounded forces have none.
 bool has_equations(JointKind kind);
 
-/// A revolute joint without a drive has the rows of a point alone, which are worth a way of their own.
+/// A revolute joint without a drive has only the rows of a point, which have their own fast path.
 inline bool is_point(const JointShape& shape) {
   return shape.kind == JointKind::revolute && !shape.is_driven;
 }
@@ -76,7 +76,7 @@ inline Place point_gap(const JointShape& shape, const Pose& a, const Pose& b) {
 
 /// Requires: has_equations(shape.kind). Pose of the world: Pose{}.
 JointEquations equations_of(const JointShape& shape, const Pose& a, const Pose& b);
-/// The same, into equations of this shape at other poses or into new ones.
+/// Same as equations_of. `equations`: of this shape at other poses, or new ones.
 void find_equations(const JointShape& shape, const Pose& a, const Pose& b, JointEquations& equations);
 
 }  // namespace ticktrue::engine

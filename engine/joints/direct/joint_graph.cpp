@@ -15,13 +15,13 @@ namespace {
 constexpr std::uint32_t no_node = 0xffffffff;
 constexpr std::int64_t common_degrees = 3;  // of bodies that move as one
 
-/// What is left of a set of bodies that eliminated joints tie together.
+/// The freedom that is left to a set of bodies that eliminated joints connect.
 struct Freedom {
   std::int64_t degrees = 3;
-  std::uint32_t ties = 0;  // eliminated joints to the world, and to bodies that are not eliminated
+  std::uint32_t ties = 0;  // eliminated joints to the world or to bodies that are not eliminated
 };
 
-/// Sets of bodies that eliminated joints tie together.
+/// Sets of bodies that eliminated joints connect.
 class Components {
  public:
   Components(std::uint32_t body_count, const std::vector<std::uint8_t>& turns)
@@ -39,7 +39,7 @@ class Components {
     }
     return body;
   }
-  /// False: they were one set.
+  /// False: both were in one set.
   bool unite(std::uint32_t a, std::uint32_t b) {
     a = find(a);
     b = find(b);
@@ -95,7 +95,7 @@ class Elimination {
   bool is_joint(std::uint32_t node) const { return node >= body_count_; }
   std::uint32_t degree(std::uint32_t node) const { return static_cast<std::uint32_t>(neighbours_[node].size()); }
 
-  /// False: they were connected.
+  /// False: the nodes were already connected.
   bool connect_to(std::uint32_t from, std::uint32_t to) {
     std::vector<std::uint32_t>& list = neighbours_[from];
     const auto place = std::lower_bound(list.begin(), list.end(), to);
@@ -129,7 +129,7 @@ class Elimination {
     return degrees >= row.row_count + (is_held ? 0 : common_degrees);
   }
 
-  /// The next node, and whether it is a joint that never became ready.
+  /// The next node, and whether the node is a joint that never became ready.
   std::pair<std::uint32_t, bool> choose() {
     for (const auto& [node_degree, node] : candidates_)
       if (!is_joint(node) || is_ready(node - body_count_)) return {node, false};
@@ -159,7 +159,8 @@ class Elimination {
     for (const std::uint32_t neighbour : around) candidates_.insert({degree(neighbour), neighbour});
   }
 
-  /// Unites the sets of a joint's eliminated bodies, now and, for the other bodies, as soon as they are eliminated.
+  /// Unites the sets of a joint's eliminated bodies. Later it unites the sets of its other bodies, once they are
+  /// eliminated.
   void tie(std::uint32_t joint) {
     const GraphJoint& row = joints_[joint];
     std::uint32_t first = no_node;
@@ -194,7 +195,7 @@ class Elimination {
     }
   }
 
-  /// The block of these rows and columns, both nodes. Requires: they are coupled, column < row.
+  /// The block of these rows and columns, both given as nodes. Requires: the nodes are coupled, column < row.
   std::uint32_t block_of(std::uint32_t row, std::uint32_t column) const {
     const GraphNode& node = graph_.nodes[column];
     const auto begin = graph_.block_rows.begin() + node.first_block;
@@ -229,7 +230,7 @@ class Elimination {
   const std::vector<GraphJoint>& joints_;
   Components components_;
   std::vector<std::vector<std::uint32_t>> tied_;                  // [body] eliminated bodies behind eliminated joints
-  std::vector<std::vector<std::uint32_t>> neighbours_;            // [node] those not eliminated, ascending
+  std::vector<std::vector<std::uint32_t>> neighbours_;            // [node] not eliminated, ascending
   std::vector<bool> is_done_;                                     // [node]
   std::set<std::pair<std::uint32_t, std::uint32_t>> candidates_;  // degree, node; joints with an eliminated neighbour
   std::vector<std::uint32_t> order_;

@@ -1,4 +1,4 @@
-// The order in which the direct joint solver eliminates bodies and joints, and where its blocks lie.
+// The order in which the direct joint solver eliminates bodies and joints, and the places of its blocks.
 // SPDX-License-Identifier: MIT
 // Source: Baraff, "Linear-Time Dynamics using Lagrange Multipliers", SIGGRAPH 1996 (bodies and joints as nodes); Tinney
 // and Walker, Proceedings of the IEEE 55, 1967 (least degree first). The count of degrees of freedom is derived here.
@@ -6,10 +6,11 @@
 // The system is [M, G^T; G, -c]: M the masses, G the gradients of the joints' rows, c the compliances. Each body is a
 // node of 3 rows, each joint a node of 1 to 3 rows. In a tree the order below adds no block.
 //
-// A joint may follow when the bodies eliminated around it have as many degrees of freedom left as the joint has rows.
-// So each row must act on each of the eliminated bodies, or the joint follows all of its bodies.
-// An eliminated body brings 3, an eliminated joint takes its rows, and joined bodies share theirs. Bodies that nothing
-// else holds keep 3, their common motion. Without this rule the pivot of a joint in a loop would be a rounding error.
+// A joint may follow when the bodies eliminated around it have at least as many degrees of freedom left as the joint
+// has rows. Therefore each row of a joint must act on each of the eliminated bodies, or the joint follows all its
+// bodies. An eliminated body adds 3 degrees of freedom, an eliminated joint removes its rows, and joined bodies share
+// their degrees. Bodies that nothing else holds keep 3, their common motion. Without this rule, the pivot of a joint in
+// a loop would be a rounding error.
 #pragma once
 
 #include <array>
@@ -23,27 +24,27 @@ inline constexpr std::size_t joint_body_max = 4;
 /// Each loop adds up to three columns to the blocks of a node. Components with more loops are solved by iteration.
 inline constexpr std::uint32_t direct_loop_max = 8;
 
-/// A joint as the order sees it.
+/// A joint as input of the order.
 struct GraphJoint {
-  std::array<std::uint32_t, joint_body_max> bodies{};  // the moving ones, by index
+  std::array<std::uint32_t, joint_body_max> bodies{};  // moving bodies, by index
   std::uint32_t body_count = 0;
   std::uint32_t row_count = 0;  // 1..3
-  bool is_to_world = false;     // some of its bodies does not move
-  bool is_last = false;         // some row may act on a part of its bodies alone: it follows all of them
-  std::uint32_t dimension = 3;  // of its blocks: rows beyond are not used
+  bool is_to_world = false;     // one of its bodies does not move
+  bool is_last = false;         // some row may act on a part of its bodies alone: the joint follows all of them
+  std::uint32_t dimension = 3;  // of its blocks: further rows are not used
 };
 
 struct GraphNode {
   bool is_joint = false;
-  bool is_redundant = false;       // a joint whose rows follow from others, as far as the count tells
+  bool is_redundant = false;       // a joint whose rows follow from others, according to the count of freedom
   std::uint32_t index = 0;         // of the body or joint
   std::uint32_t dimension = 3;     // of its blocks; 3 of a body
   std::uint32_t first_block = 0;   // the blocks below the diagonal, one for each later node that is coupled
-  std::uint32_t block_count = 0;   // their rows ascend
+  std::uint32_t block_count = 0;   // the rows of these blocks ascend
   std::uint32_t first_target = 0;  // for i < j in these blocks, in order: the block of rows j and columns i
 };
 
-/// Where the gradient of a joint with respect to one of its bodies lies.
+/// The place of the gradient of a joint with respect to one of its bodies.
 struct GradientPlace {
   std::uint32_t block = 0;
   bool is_transposed = false;
@@ -59,11 +60,11 @@ struct JointGraph {
   std::uint32_t fill_count = 0;                                      // blocks that are zero before the elimination
 };
 
-/// Joints beyond those of a forest. Joints to what does not move close no loop.
+/// The number of joints beyond those of a forest. Joints to bodies that do not move close no loop.
 std::uint32_t count_loops(std::uint32_t body_count, const std::vector<GraphJoint>& joints);
 
-/// The order depends on the indices of bodies and joints alone. `turns`: [body] 0 if it has two degrees of freedom;
-/// empty: each has three. Requires: a joint has bodies, and they differ.
+/// The order depends on the indices of bodies and joints alone. `turns`: [body] 0 for a body with two degrees of
+/// freedom; empty: each has three. Requires: a joint has bodies, and its bodies differ.
 JointGraph make_joint_graph(std::uint32_t body_count, const std::vector<GraphJoint>& joints,
                             const std::vector<std::uint8_t>& turns = {});
 
