@@ -1,8 +1,8 @@
 // JSON text as a tree of values.
 // SPDX-License-Identifier: MIT
 //
-// nlohmann::json does the syntax. Its events build a small tree that keeps what its own drops (repeated keys), stays
-// within limits, and is taken apart element by element.
+// nlohmann::json parses the syntax. Its events build a small tree, which keeps repeated keys (nlohmann's own tree drops
+// them), stays within limits and can be read element by element.
 #include "engine/json/json_tree.h"
 
 #include <nlohmann/json.hpp>
@@ -66,7 +66,8 @@ class TreeBuilder : public nlohmann::json_sax<nlohmann::json> {
       ++line;
       column = 0;
     }
-    // "[json.exception.parse_error.101] parse error at line 1, column 8: syntax error while ...": the last part.
+    // The part after the last ": " of "[json.exception.parse_error.101] parse error at line 1, column 8: syntax error
+    // while ...".
     std::string_view reason = exception.what();
     if (const std::size_t at = reason.find("] "); at != std::string_view::npos) reason.remove_prefix(at + 2);
     if (reason.substr(0, 11) == "parse error")
@@ -86,7 +87,7 @@ class TreeBuilder : public nlohmann::json_sax<nlohmann::json> {
  private:
   struct Frame {
     JsonValue value;
-    std::size_t taken_count = 0;  // elements that went to take_
+    std::size_t taken_count = 0;  // number of elements passed to take_
   };
 
   bool fail(ErrorCode code, const std::string& where, const std::string& what) {
@@ -94,7 +95,7 @@ class TreeBuilder : public nlohmann::json_sax<nlohmann::json> {
     return false;
   }
 
-  /// Of the value that is open.
+  /// The path of the open value.
   std::string path() const {
     std::string text;
     for (std::size_t i = 0; i + 1 < stack_.size(); ++i) {
@@ -157,7 +158,7 @@ class TreeBuilder : public nlohmann::json_sax<nlohmann::json> {
     return status.has_value();
   }
 
-  /// The list that the open array is, or null.
+  /// The streamed list of the open array, or null.
   const StreamedList* streamed_list() const {
     if (stack_.size() != 2 || stack_[0].value.type != JsonValue::Type::object) return nullptr;
     for (const StreamedList& list : lists_)
@@ -224,7 +225,7 @@ std::string found_text(const JsonValue& value) {
 
 Result<JsonValue> parse_json(std::string_view text, const std::string& place, ErrorCode code,
                              const std::vector<StreamedList>& lists, const TakeElement& take) {
-  // The parser takes a NUL for the end of the text.
+  // The parser would take a NUL for the end of the text.
   if (text.find('\0') != std::string_view::npos)
     return Error{code, place + ": broken JSON: found a NUL byte, expected text", ""};
   TreeBuilder builder(text, place, code, lists, take);

@@ -28,16 +28,16 @@ struct JsonValue {
   }
 };
 
-/// As a JSON string; control characters as \u00xx.
+/// The text as a JSON string; control characters as \u00xx.
 std::string in_quotes(std::string_view text);
 
-/// At most 60 bytes of it, not cut inside a character: for messages.
+/// At most 60 bytes of the text, not cut inside a character, for messages.
 std::string shortened(std::string_view text);
 
-/// What a message says was found.
+/// The description of a found value in a message.
 std::string found_text(const JsonValue& value);
 
-/// An array of the top object whose elements are taken one by one, so that memory does not grow with the text.
+/// An array of the top object whose elements are taken one at a time, so that memory does not grow with the text.
 struct StreamedList {
   std::string_view key;
   std::size_t count_max = 0;

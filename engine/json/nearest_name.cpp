@@ -9,7 +9,7 @@
 namespace ticktrue::engine {
 namespace {
 
-/// Letters to insert, remove, replace or exchange with a neighbour to get from `a` to `b`.
+/// The number of letters to insert, remove, replace or exchange with a neighbour to turn `a` into `b`.
 std::size_t edit_distance(std::string_view a, std::string_view b) {
   std::vector<std::vector<std::size_t>> cost(a.size() + 1, std::vector<std::size_t>(b.size() + 1));
   for (std::size_t i = 0; i <= a.size(); ++i) {

@@ -8,10 +8,10 @@
 
 namespace ticktrue::engine {
 
-/// The candidate nearest to the typed text (few edits, or its beginning); empty if none is near.
+/// The candidate nearest to the typed text (a few edits away, or beginning with it); empty if none is near.
 std::string_view nearest_name(std::string_view typed, const std::vector<std::string_view>& candidates);
 
-/// "did you mean x?", or nothing where no candidate is near.
+/// "did you mean x?", or nothing if no candidate is near.
 std::string suggestion(std::string_view typed, const std::vector<std::string_view>& candidates);
 
 }  // namespace ticktrue::engine

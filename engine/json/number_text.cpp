@@ -9,7 +9,8 @@ namespace ticktrue::engine {
 
 std::string number_text(double value) {
   char text[40];
-  // Numbers people write have few digits, computed ones have 16 or 17: try few first, skip the middle.
+  // Numbers that people write have few digits, computed numbers have 16 or 17. Try few digits first, and skip the
+  // middle.
   for (const int digits : {6, 9, 12, 15, 16, 17}) {
     std::snprintf(text, sizeof text, "%.*g", digits, value);
     if (std::strtod(text, nullptr) == value) break;

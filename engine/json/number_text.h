@@ -11,7 +11,7 @@ namespace ticktrue::engine {
 /// The shortest decimal of at most 17 digits that reads back to the same double.
 std::string number_text(double value);
 
-/// A whole text that is one finite decimal number: sign, digits, point, exponent. Anything else is nothing: spaces,
+/// Reads a text that is one finite decimal number: sign, digits, point, exponent. Anything else gives nothing: spaces,
 /// hexadecimal, "nan", "inf", overflow.
 std::optional<double> parse_number(std::string_view text);
 
