@@ -20,7 +20,7 @@ inline constexpr double atan_of_eighths[9] = {
     0x1.921fb54442d18p-1,
 };
 
-/// The angle of (x, y), rad, -pi..pi; 0 for (0, 0), NaN where a number is none or infinite. `V`: double, or a vector of
+/// The angle of (x, y), rad, -pi..pi; 0 for (0, 0); NaN if a number is a NaN or infinite. `V`: double, or a vector of
 /// doubles; each lane does the same operations.
 template <typename V>
 [[gnu::always_inline]] inline V arc_tangent_of(V y, V x) {
@@ -32,7 +32,7 @@ template <typename V>
   V abs_x = x < zero ? -x : x;
   const V high = abs_y > abs_x ? abs_y : abs_x;
   const auto is_number = (abs_y + abs_x >= zero) & (high <= all(0x1.fffffffffffffp1023));
-  // A common power of two changes no quotient but keeps products and sums in range.
+  // A common power of two changes no quotient, but keeps products and sums in range.
   const V scale = high > all(0x1p1000) ? all(0x1p-100) : (high < all(0x1p-900) ? all(0x1p100) : all(1));
   abs_y *= scale;
   abs_x *= scale;
@@ -40,7 +40,8 @@ template <typename V>
   const V below = is_steep ? abs_x : abs_y;
   V above = is_steep ? abs_y : abs_x;
   above = above > zero ? above : all(1);
-  // atan(below / above) = atan(c) + atan((t - c) / (1 + c t)) with c the nearest eighth: add a half, then cut off.
+  // atan(below / above) = atan(c) + atan((t - c) / (1 + c t)) with c the nearest eighth: the code adds a half and
+  // truncates.
   const V share = below / above * all(8) + all(0.5);
   const V round = all(0x1p52);
   const V nearest = (share + round) - round;

@@ -1,4 +1,4 @@
-// The two precisions that the engine is compiled in.
+// The two precisions in which the engine is compiled.
 // SPDX-License-Identifier: MIT
 #pragma once
 

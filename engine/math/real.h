@@ -1,8 +1,8 @@
 // Real: the one scalar type of the engine's state and kernels, f32 or f64 by compilation.
 // SPDX-License-Identifier: MIT
 //
-// Sources that include this header are compiled twice, once per precision, into two namespaces:
-// ticktrue::engine::f32 and ticktrue::engine::f64. They read as if there were one type.
+// Sources that include this header are compiled twice, once per precision, into two namespaces: ticktrue::engine::f32
+// and ticktrue::engine::f64. Their text uses one type.
 #pragma once
 
 #include <cstdint>

@@ -1,4 +1,4 @@
-// Real alone: all that units compiled for several instruction sets may know of real.h.
+// Real alone: the only part of real.h for units that are compiled for several instruction sets.
 // SPDX-License-Identifier: MIT
 #pragma once
 

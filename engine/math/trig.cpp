@@ -11,7 +11,7 @@
 namespace ticktrue::engine {
 namespace {
 
-// pi/2 in three parts; the first two have 33 bits, so that their products with k < 2^20 are exact.
+// pi/2 in three parts. The first two parts have 33 bits, so that their products with k < 2^20 are exact.
 constexpr double half_pi_1 = 0x1.921fb544p+0;
 constexpr double half_pi_2 = 0x1.0b4611a6p-34;
 constexpr double half_pi_3 = 0x1.3198a2e037073p-69;
@@ -21,7 +21,7 @@ constexpr double exactly_reduced_max = 1e6;  // rad; k stays below 2^20
 constexpr double not_a_number = std::numeric_limits<double>::quiet_NaN();
 
 /// Remainder of angle >= 0 by the double nearest to 2 pi. Every subtraction is exact (the operands are within a factor
-/// of two), so only the error of two_pi itself counts, once per turn.
+/// of two). The only error is that of two_pi itself, once per turn.
 double remove_turns(double angle) {
   double turns = two_pi;
   while (turns <= angle * 0.5) turns *= 2;
@@ -30,7 +30,7 @@ double remove_turns(double angle) {
   return angle;
 }
 
-// Taylor series on |x| <= pi/4 (a little more after rounding k); the first term left out is below 2^-58 of the sum.
+// Taylor series on |x| <= pi/4 (a little more after rounding k). The first omitted term is below 2^-58 of the sum.
 double sin_series(double x) {
   const double z = x * x;
   double p = 1.0 / 355687428096000.0;
@@ -60,7 +60,7 @@ double cos_series(double x) {
 }  // namespace
 
 SinCos sin_cos(double angle) {
-  // Reduced by magnitude, so that sin(-x) == -sin(x) and cos(-x) == cos(x) to the last bit.
+  // The magnitude is reduced, so that sin(-x) == -sin(x) and cos(-x) == cos(x) to the last bit.
   const bool negative = angle < 0;
   double x = negative ? -angle : angle;
   if (!(x <= std::numeric_limits<double>::max())) return {not_a_number, not_a_number};

@@ -52,13 +52,13 @@ inline Real larger(Real a, Real b) {
 inline Real absolute(Real a) {
   return a < 0 ? -a : a;
 }
-/// As `absolute`, except for -0, of which it is 0. It has no branch, for signs that are hard to predict.
+/// Equals `absolute`, but gives 0 for -0. The function has no branch, since some signs are hard to predict.
 inline Real magnitude(Real a) {
   return larger(a, -a);
 }
 
-/// What a state stores of a value: -0 becomes 0, every other value keeps its bits (IEEE 754-2019, 6.3: -0 + 0 is 0).
-/// Which of the two zeros a sum ends in depends on the order of its terms, and so on batches and threads.
+/// The stored form of a value: -0 becomes 0, every other value keeps its bits (IEEE 754-2019, 6.3: -0 + 0 is 0). The
+/// sign of a zero sum depends on the order of its terms, and so on batches and threads.
 inline Real stored(Real a) {
   return a + Real(0);
 }
@@ -93,18 +93,18 @@ inline Rotation normalized(Rotation q) {
   return {scale * q.c, scale * q.s};
 }
 
-/// Rotation by an angle in rad: exact to the last bits for |angle| <= pi / 4, good to 1e-6 relative up to 1e4.
-/// Taylor series: the first term left out is below half a unit in the last place at pi / 4.
+/// Rotation by an angle in rad: exact to the last bits for |angle| <= pi / 4, with a relative error of 1e-6 up to 1e4.
+/// Taylor series: the first omitted term is below half a unit in the last place at pi / 4.
 inline Rotation rotation_by(Real angle) {
-  // Quarter turns are taken off first. Adding and subtracting 1.5 * 2^(digits - 1) rounds to an integer.
+  // Quarter turns are removed first. Adding and subtracting 1.5 * 2^(digits - 1) rounds to an integer.
   constexpr Real round = sizeof(Real) == 4 ? Real(0x1.8p23) : Real(0x1.8p52);
-  // Beyond the limit an angle says nothing: a unit in its last place is a quarter of a radian.
+  // Beyond the limit an angle has no meaning: a unit in its last place is a quarter of a radian.
   constexpr Real limit = sizeof(Real) == 4 ? Real(0x1.8p21) : Real(0x1.8p50);
   angle = angle > limit ? limit : (angle < -limit ? -limit : angle);
   const Real quarters = angle * Real(0.63661977236758134308);  // 2 / pi
   const Real quarter_turns = (quarters + round) - round;
-  // pi / 2 in two parts, the first with few enough digits that quarter_turns * part is exact for less than 2^11 of
-  // them.
+  // pi / 2 in two parts. The first part has few enough digits that quarter_turns * part is exact for less than 2^11
+  // quarter turns.
   constexpr Real part_1 = sizeof(Real) == 4 ? Real(1.5703125) : Real(0x1.921fb54p0);
   constexpr Real part_2 = sizeof(Real) == 4 ? Real(4.83826794896619e-4) : Real(0x1.10b4611a62633p-30);
   const Real x = (angle - quarter_turns * part_1) - quarter_turns * part_2;
