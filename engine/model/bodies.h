@@ -15,12 +15,12 @@ struct Model;
 struct State;
 struct TickLists;
 
-/// Bodies as the rooms of the solver share them.
+/// The bodies that the rooms of the solver share.
 struct SolverBodies {
   std::vector<MovingBody> records;  // one per row, then the dummy body and the sinks
   std::vector<BodyMass> masses;     // [body]
 
-  /// The records as kernels take them.
+  /// The records in the form of kernel arguments.
   Real* lanes() { return &records.data()->velocity.x; }
 };
 
@@ -33,7 +33,7 @@ void list_fields(SolverBodies& of, const Visit& visit) {
 /// Fills masses and records.
 void prepare_bodies(const Model& model, const State& state, const TickLists& tick, SolverBodies& bodies);
 
-/// Records at this distance share no cache line, and no pair of lines that is fetched together.
+/// Records at this distance share no cache line, and no pair of lines that processors fetch together.
 inline constexpr std::size_t record_stride = 4;
 /// The dummy body: a record at rest that stands for non-dynamic bodies and is only read.
 inline std::uint32_t dummy_body(const SolverBodies& bodies) {

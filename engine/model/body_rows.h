@@ -1,4 +1,4 @@
-// Bodies as solvers see them.
+// Bodies in the layout of solvers.
 // SPDX-License-Identifier: MIT
 #pragma once
 

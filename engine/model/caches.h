@@ -1,4 +1,4 @@
-// The cached structures of an engine: their names, and how often each was used again.
+// The cached structures of an engine: their names, and counts of their uses.
 // SPDX-License-Identifier: MIT
 #pragma once
 
@@ -9,22 +9,22 @@
 
 namespace ticktrue::engine {
 
-/// A cached structure. None of them is state: a tick gives the same bits with each of them, without it, or with any
-/// subset of them forgotten.
+/// A cached structure. No cached structure is state: a tick gives the same bits with it, without it, or after any
+/// subset of them was forgotten.
 enum class CacheKind : std::uint8_t {
-  body_set,        // the ids and sources of the bodies: which rows of everything else are about which body
+  body_set,        // the ids and sources of the bodies: the meaning of rows in other structures
   pair_list,       // fat AABBs, the trees over them and the pairs that overlap
   boxes,           // tight AABBs with a margin, in which slow bodies stay
   present_pairs,   // pairs of the tick before whose AABBs overlap
   manifolds,       // manifolds of pairs whose poses have not changed
-  contact_places,  // contacts are written in the places of the tick before
+  contact_places,  // contacts are written to the places of the tick before
   pair_blocks,     // candidates, lanes and features of 64 pairs
   velocity_steps,  // gravity and damping over one substep, per body
   free_motion,     // decay and gain over one substep, per body of the scene
   joint_plan,      // the order and the batches of joints
-  joint_graph,     // which bodies are solved directly with their joints, and in which order they are eliminated
+  joint_graph,     // the bodies solved directly with their joints, and their order of elimination
   contact_colors,  // colours and slots of contacts
-  contact_blocks,  // which islands are solved together
+  contact_blocks,  // the islands that are solved together
   cell_side,       // side of the cells of neighbour_cells
 };
 inline constexpr std::size_t cache_kind_count = 14;
@@ -57,21 +57,21 @@ constexpr CacheSet cache_bit(CacheKind kind) {
   return CacheSet{1} << static_cast<unsigned>(kind);
 }
 
-/// Since the engine was made.
+/// Counts since the engine was made.
 struct CacheCounts {
   std::uint64_t hits = 0;           // uses of the result of an earlier tick
-  std::uint64_t invalidations = 0;  // checks that failed, so that it was made anew
+  std::uint64_t invalidations = 0;  // checks that failed, so that the structure was rebuilt
 };
 using CacheReport = std::array<CacheCounts, cache_kind_count>;
 
-/// One cached structure: a class with a key, whose fields nobody else writes. Derived classes have `valid_for(key)`,
-/// which tells whether the structure still holds, and `rebuild`, which makes it anew for a key. Any value of `CellSide`
-/// holds; it ends after some ticks.
+/// One cached structure: a class with a key; no other code writes its fields. Derived classes have `valid_for(key)`,
+/// which tells whether the structure is valid, and `rebuild`, which makes it for a key. Any value of `CellSide` is
+/// valid; the value expires after some ticks.
 class TickCache {
  public:
   explicit TickCache(CacheKind kind) : kind_(kind) {}
   virtual ~TickCache() = default;
-  /// The next tick makes the structure anew.
+  /// Makes the next tick rebuild the structure.
   virtual void invalidate() = 0;
   CacheKind kind() const { return kind_; }
   CacheCounts counts() const { return counts_; }

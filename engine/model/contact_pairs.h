@@ -36,7 +36,7 @@ struct ContactPair {
   Real restitution;
 };
 
-/// How fast a pair closes, m/s: the faster of its points.
+/// The closing speed of a pair, m/s: that of its faster point.
 template <typename Velocities>
 Real closing_speed(const ContactPair& pair, const Velocities& a, const Velocities& b) {
   Real closing = 0;

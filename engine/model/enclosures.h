@@ -9,14 +9,14 @@
 
 namespace ticktrue::engine::TICKTRUE_PRECISION {
 
-/// Where a proxy is in this tick.
+/// The bounding circle of a proxy in this tick.
 struct Circle {
   Vec2 center;  // world, m
   Real radius;  // with margin, m
 };
 
 /// The margin around a shape, besides its swept displacement: the speculative margin plus the rounding of coordinates
-/// this far out. No algorithm can then miss a pair that another one finds.
+/// at this distance from the origin. No broad phase can then miss a pair that another one finds.
 inline Real margin_around(Vec2 center, const ShapeModel& shape, Real gravity_displacement) {
   const Real extent = larger(magnitude(center.x), magnitude(center.y)) + shape.bounding_radius;
   return speculative_margin(shape.size, gravity_displacement) + 16 * epsilon * extent;
@@ -31,7 +31,7 @@ inline Circle circle_around(const BodyRow& body, const ShapeModel& shape, Real g
 }
 Box box_around_hull(const Model& model, const BodyRow& body, const ShapeModel& shape, Real gravity_displacement,
                     Real swept);
-/// `lower`, `upper`: of its vertices, from the body's position.
+/// `lower`, `upper`: the corners of the box around the vertices, from the body's position.
 inline Box box_between(const BodyRow& body, const ShapeModel& shape, Vec2 lower, Vec2 upper, Real gravity_displacement,
                        Real swept) {
   const Vec2 center = body.position + rotate(body.rotation, shape.center);

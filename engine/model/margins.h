@@ -1,4 +1,4 @@
-// Lengths that shapes are compared with: slop, resting margin, speculative margin.
+// Tolerances for shapes: slop, resting margin, speculative margin.
 // SPDX-License-Identifier: MIT
 #pragma once
 
@@ -7,8 +7,8 @@
 
 namespace ticktrue::engine::TICKTRUE_PRECISION {
 
-/// Lengths below which geometry does not matter, relative to the shape: a stack of 1 cm boxes and one of 100 m boxes
-/// behave alike.
+/// The length below which geometry does not matter, relative to the shape. A stack of 1 cm boxes and a stack of 100 m
+/// boxes behave alike.
 inline Real linear_slop(Real size) {
   return Real(0.005) * size;
 }
@@ -21,8 +21,8 @@ inline Real gravity_displacement_of_tick(const Model& model, const State& state)
 inline Real resting_margin(Real size) {
   return 4 * linear_slop(size);
 }
-/// The speculative margin: shapes closer than this get contact points before they touch. It includes the gravity
-/// displacement, so that shapes small against that do not overlap deeply before their first contact. At most eight
+/// The speculative margin: shapes closer than this get contact points before they touch. The margin includes the
+/// gravity displacement, so that small shapes do not overlap deeply before their first contact. It is at most eight
 /// sizes, so that no shape has contacts with the whole world.
 inline Real speculative_margin(Real size, Real gravity_displacement) {
   return larger(resting_margin(size), smaller(gravity_displacement, 8 * size));

@@ -15,8 +15,8 @@ Vec2 to_vec2(Point p) {
   return {static_cast<Real>(p.x), static_cast<Real>(p.y)};
 }
 
-// The thesis' inertia: boxes from half extents (four times too small), polygons without their mass and about the
-// body's origin, also when static. Source: thesis figures 20, 21; kept as printed for the `impulse` solver.
+// The thesis' inertia: boxes from half extents (four times too small), polygons without their mass and about the body's
+// origin, also when static. Source: thesis figures 20, 21; used as printed, by the `impulse` solver.
 
 double thesis_circle(const Shape& shape, double mass) {
   return 0.5 * shape.radius * shape.radius * mass;
@@ -86,7 +86,7 @@ void add_child(Model& model, ShapeModel out, const Shape& shape) {
   model.shapes.push_back(out);
 }
 
-// Each adds the children of a shape of its kind to model.shapes; `out` has what all kinds share.
+// Each function adds the children of a shape of its kind to model.shapes. `out` has the fields that all kinds share.
 
 void add_circle(Model& model, ShapeModel out, const Shape& shape, Point body_center) {
   out.family = ShapeFamily::circle;
@@ -114,7 +114,7 @@ void add_line(Model& model, ShapeModel out, const Shape& shape, Point body_cente
   add_child(model, out, shape);
 }
 
-/// One shape for each edge. The end of a chain that is no loop has no neighbour.
+/// Adds one shape for each edge. The first and last edges of an open chain have no neighbour at its ends.
 void add_chain(Model& model, ShapeModel common, const Shape& shape, Point body_center) {
   const std::vector<Point>& points = shape.vertices;
   const std::size_t count = points.size();
@@ -162,7 +162,7 @@ double thesis_inertia(const Body& body, double mass) {
   return sum;
 }
 
-/// The shapes made so far, so that equal ones are shared. Found by a hash of the description.
+/// An earlier shape, so that equal shapes are shared. A hash of the description finds it.
 struct KnownShape {
   Shape shape;
   Point center;
@@ -198,7 +198,7 @@ void add_body(Model& model, const Body& body, std::vector<std::vector<KnownShape
   out.gravity_scale = static_cast<Real>(body.gravity_scale);
   out.first_shape = static_cast<std::uint32_t>(model.body_shapes.size());
   for (Shape shape : body.shapes) {
-    shape.density = 1;  // counts for the mass only, which is known by now
+    shape.density = 1;  // affects the mass only, which is known by now
     std::vector<KnownShape>& bucket = known[shape_key(shape, mass.center) % known.size()];
     const KnownShape* same = nullptr;
     for (const KnownShape& candidate : bucket)
@@ -238,7 +238,7 @@ void add_quads(Model& model) {
   }
 }
 
-constexpr std::size_t material_count_max = 64;  // the table of their pairs stays in the cache
+constexpr std::size_t material_count_max = 64;  // the table of their pairs fits into the cache
 
 void mix_materials(Model& model) {
   std::vector<const ShapeModel*> kinds;
@@ -297,7 +297,7 @@ Model make_model(const Scene& scene) {
   model.has_bounds = scene.bounds.has_value();
   if (scene.bounds) model.bounds = {to_vec2(scene.bounds->lower), to_vec2(scene.bounds->upper)};
   for (const ShapeModel& shape : model.shapes) {
-    model.bounces |= shape.restitution > 0;  // under every rule, at least against its equal
+    model.bounces |= shape.restitution > 0;  // under every rule, at least against an equal shape
     model.has_surfaces |= shape.tangent_speed != 0 || shape.rolling_resistance > 0;
     model.has_sensors |= shape.is_sensor;
   }

@@ -15,12 +15,12 @@ namespace ticktrue::engine::TICKTRUE_PRECISION {
 
 struct Model;
 
-/// Shapes as the narrow phase distinguishes them.
+/// The classes of shapes that the narrow phase distinguishes.
 enum class ShapeFamily : std::uint8_t {
   circle,
-  polygon,     // a hull with sharp corners; boxes too
+  polygon,     // a hull with sharp corners, boxes included
   round,       // a hull of 2..16 vertices and a radius: rounded polygons, capsules, and segments with radius 0
-  chain_edge,  // one edge of a chain: seen from its right side only
+  chain_edge,  // one edge of a chain: has contacts on its right side only
 };
 inline constexpr std::size_t shape_family_count = 4;
 
@@ -48,16 +48,16 @@ struct ShapeModel {
   std::uint32_t material = 0;    // index of its friction and restitution
   std::uint32_t quad = no_quad;  // in Model::quads, of a polygon with four corners
   bool is_sensor = false;
-  bool has_before = false;  // chain edge: another one ends where it begins
-  bool has_after = false;   // chain edge: another one begins where it ends
-  Vec2 before;              // where that one begins, m
-  Vec2 after;               // where that one ends, m
+  bool has_before = false;  // chain edge: another edge ends where this one begins
+  bool has_after = false;   // chain edge: another edge begins where this one ends
+  Vec2 before;              // the begin of the edge before, m
+  Vec2 after;               // the end of the edge after, m
 };
 /// Segments and chains: no area, no mass, and no contact with each other.
 inline bool is_line(const ShapeModel& shape) {
   return shape.size == 0;
 }
-/// The size of a pair, to which tolerances are relative: that of the smaller shape. Lines do not count.
+/// The size of a pair, to which tolerances are relative: that of the smaller shape. Lines have no size.
 inline Real pair_size(const ShapeModel& a, const ShapeModel& b) {
   if (a.size == 0) return b.size;
   if (b.size == 0) return a.size;
@@ -86,8 +86,8 @@ struct BodyModel {
 
 /// Force element: an acceleration of strength * |r|^exponent towards a centre.
 struct CentralForce {
-  bool every = true;       // acts on every dynamic body; else on one
-  std::uint32_t body = 0;  // id of that body
+  bool every = true;       // acts on every dynamic body; otherwise on one
+  std::uint32_t body = 0;  // id of the one body
   Vec2 center;             // m
   Real strength = 0;       // 1/(s^2 m^(exponent - 1)); > 0 attracts
   int exponent = 0;
@@ -134,22 +134,22 @@ struct Model {
   std::vector<Vec2> normals;   // [vertex]: outward normal of the edge to the next vertex
 
   std::vector<Quad> quads;
-  std::vector<MixedMaterial> mixed_materials;  // [material of A * material_count + material of B], if not too many
+  std::vector<MixedMaterial> mixed_materials;  // [material of A * material_count + material of B]; empty if too many
   std::uint32_t material_count = 0;
 
   std::vector<JointModel> joints;  // [joint of the scene]
   std::vector<LightBody> light_bodies;
-  std::vector<SeparatedPair> separated;  // ascending; may hold a pair twice
+  std::vector<SeparatedPair> separated;  // ascending; may contain a pair twice
   std::uint32_t separated_span = 0;      // the largest difference of two ids of a pair, for a quick rejection
   std::uint32_t last_joined = 0;         // the largest id of a body that has joints
 
   std::vector<std::uint32_t> pointer_spawns;  // prototypes spawned by presses on empty space, in turn
 
-  std::vector<BodyForces> body_forces;  // [source]; empty where the scene has no force elements
+  std::vector<BodyForces> body_forces;  // [source]; empty if the scene has no force elements
   std::vector<CentralForce> centrals;
   std::vector<SpringForce> springs;
   Vec2 wind;                                 // m/s, the air's velocity
-  PositionForces position_forces = nullptr;  // null where no force depends on positions
+  PositionForces position_forces = nullptr;  // null if no force depends on positions
   bool has_velocity_forces = false;          // quadratic drags or dampers; linear drags are part of the damping
 
   Real restitution_threshold = 1;  // m/s
@@ -164,7 +164,7 @@ struct Model {
   std::uint32_t child_count_max = 0;  // of a body
   bool is_composed = true;  // stages that the scene does not need are left out; false: EngineOptions::full_pipeline
   unsigned contact_features = 0;  // bits of contact_feature
-  SolverKernels kernels{};        // for these features and an instruction set; they change no bit
+  SolverKernels kernels{};        // for these features and an instruction set; no choice changes a bit
   Box bounds;
 
   const ShapeModel& shape(const BodyModel& body, std::uint32_t child) const {
@@ -178,7 +178,7 @@ Model make_model(const Scene& scene);
 /// Friction or restitution of a pair.
 Real mix(MixRule rule, Real a, Real b);
 
-/// Both of them, from the model's table if it has one.
+/// Friction and restitution of a pair, from the model's table if it has one.
 inline MixedMaterial mixed_material(const Model& model, const ShapeModel& a, const ShapeModel& b) {
   if (!model.mixed_materials.empty()) return model.mixed_materials[a.material * model.material_count + b.material];
   const Settings& settings = model.scene.settings;

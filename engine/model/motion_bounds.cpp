@@ -1,4 +1,4 @@
-// How far bodies may get in a tick.
+// The bounds of a tick.
 // SPDX-License-Identifier: MIT
 #include "engine/model/motion_bounds.h"
 

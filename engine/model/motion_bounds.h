@@ -7,8 +7,8 @@
 
 namespace ticktrue::engine::TICKTRUE_PRECISION {
 
-/// The values that all bodies of a tick share. `farthest`: the largest motion bound of a body, where the scene locates
-/// impacts, since a body that is hit may move as far. Else 0.
+/// The values that all bodies of a tick share. `farthest`: the largest motion bound of a body if the scene locates
+/// impacts, since a body that is hit may move as far; otherwise 0.
 struct MotionBounds {
   Real dt;       // s
   Real gravity;  // m/s^2
@@ -16,7 +16,7 @@ struct MotionBounds {
   Real farthest;  // m
 };
 
-/// The motion bound of a body: no point of it moves farther in a tick, m.
+/// The motion bound of a body, m: an upper bound of the displacement of its points in a tick.
 inline Real motion_bound_in(const MotionBounds& bounds, const BodyModel& constants, const BodyRow& body) {
   if (constants.type == BodyType::static_body) return 0;
   const Real gravity_speed = constants.type == BodyType::dynamic_body
@@ -27,12 +27,13 @@ inline Real motion_bound_in(const MotionBounds& bounds, const BodyModel& constan
 
 /// Whether a body may pass through another in a tick.
 inline bool is_fast(const MotionBounds& bounds, const BodyModel& constants, const BodyRow& body) {
-  constexpr Real fast_share = Real(0.25);  // of its smallest shape's size: slower bodies have contacts in time
+  constexpr Real fast_share = Real(0.25);  // of its smallest shape's size: slower bodies get contacts in time
   return motion_bound_in(bounds, constants, body) > fast_share * constants.size;
 }
 
-/// The swept displacement of a body in a tick, m, by which its boxes are enlarged: 0 unless it is fast, impacts are
-/// located or contacts are speculative. Broad phases find each pair closer than the sum of its two.
+/// The swept displacement of a body in a tick, m, by which its boxes are enlarged. It is 0 unless the body is fast,
+/// impacts are located or contacts are speculative. Broad phases find each pair that is closer than the sum of its
+/// swept displacements.
 inline Real swept_displacement_of(const MotionBounds& bounds, const BodyModel& constants, const BodyRow& body) {
   if (constants.type == BodyType::static_body) return 0;
   if (bounds.locates_impacts) return bounds.farthest;
@@ -41,13 +42,13 @@ inline Real swept_displacement_of(const MotionBounds& bounds, const BodyModel& c
   return bounds.has_ccd && is_fast(bounds, constants, body) ? bound : Real(0);
 }
 
-/// Proxy::ccd_margin of a body's shapes, whose boxes include `swept`. Impacts of two dynamic bodies are only located if
-/// the scene locates all impacts, contacts are speculative, or one body is a bullet. For other pairs of dynamic bodies
-/// the boxes without the CCD margin are enough.
+/// Proxy::ccd_margin of a body's shapes, whose boxes include `swept`. Impacts of two dynamic bodies are located in
+/// three cases: the scene locates all impacts, contacts are speculative, or one body is a bullet. For other pairs of
+/// dynamic bodies the boxes without the CCD margin are enough.
 inline Real ccd_margin_of(const MotionBounds& bounds, const BodyModel& constants, Real swept) {
   if (bounds.locates_impacts || bounds.speculates || constants.type != BodyType::dynamic_body || constants.is_bullet)
     return -1;
-  if (!(swept < Real(1e30))) return -1;  // nor for an unbounded box
+  if (!(swept < Real(1e30))) return -1;  // likewise for an unbounded box
   return (1 - 16 * epsilon) * swept;     // rounding must not make the margin larger than the enlargement
 }
 

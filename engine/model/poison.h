@@ -1,7 +1,7 @@
-// Bytes that make wrong results loud, in memory that a tick must not read before writing it.
+// Poison: bytes that make wrong results obvious, in memory that a tick must not read before it writes.
 // SPDX-License-Identifier: MIT
-//
-// A workspace lists its fields once, in list_fields(workspace, visit), by a structured binding: it does not compile
+// A workspace lists its fields once, in list_fields(workspace, visit), by a structured binding. If a field is missing
+// there, the code does not compile. Poisoning and the list of caches use this list.
 // while a field is not named there. Poisoning and the list of caches follow from it.
 #pragma once
 
@@ -23,7 +23,7 @@ void poison_rows(std::vector<T>& rows) {
   rows.clear();
 }
 
-/// A field whose rows are only ever added to: they keep their number.
+/// A field whose rows are only appended: poisoning keeps their number.
 template <typename T>
 struct InPlace {
   std::vector<T>& rows;
@@ -43,7 +43,7 @@ concept Workspace = requires(T& field) {
   list_fields(field, IgnoreFields{});
 };
 
-/// Overwrites a field, unless it is a cache; the fields of a workspace one by one.
+/// Overwrites a field, unless it is a cache. Overwrites the fields of a workspace one by one.
 struct Poison {
   template <typename... Fields>
   void operator()(Fields&&... fields) const {
@@ -77,7 +77,7 @@ struct Poison {
     if constexpr (Workspace<T>) {
       list_fields(field, *this);
     } else if constexpr (std::is_same_v<T, bool>) {
-      field = !field;  // no other bits are a bool
+      field = !field;  // a bool has no other bit patterns
     } else if constexpr (!std::is_base_of_v<TickCache, T>) {
       static_assert(std::is_trivially_copyable_v<T>);
       std::memset(static_cast<void*>(&field), 0xff, sizeof field);

@@ -1,4 +1,4 @@
-// Proxies and pairs: what broad phases make of bodies.
+// Proxies and pairs, the output of broad phases.
 // SPDX-License-Identifier: MIT
 #pragma once
 
@@ -9,8 +9,8 @@
 
 namespace ticktrue::engine::TICKTRUE_PRECISION {
 
-/// One convex shape of one body in the world. In (body row, child) order, so that comparing indices compares shape ids.
-/// Shapes that can meet nothing in their scene have none.
+/// One convex shape of one body in the world. Proxies are in (body row, child) order, so that comparing indices
+/// compares shape ids. A shape that can touch nothing in its scene has no proxy.
 struct Proxy {
   std::uint32_t body;   // row in State::bodies
   std::uint32_t shape;  // in Model::shapes
@@ -20,8 +20,7 @@ struct Proxy {
   bool is_sensor;
   bool is_line;
   Filter filter;
-  Real ccd_margin;  // m: so much of its box is there for what must not be passed through alone; < 0: all is for
-                    // everything
+  Real ccd_margin;  // m: the part of its box for CCD targets alone; < 0: its whole box counts for every pair
 };
 
 /// Two proxies that may touch, first < second.
@@ -30,14 +29,14 @@ struct Pair {
   std::uint32_t second;
 };
 
-/// The rule of scene.h: one non-zero group decides; else each category must be in the other's mask.
+/// The rule of scene.h: a common non-zero group decides; otherwise each category must be in the other's mask.
 inline bool pass(const Filter& a, const Filter& b) {
   if (a.group == b.group && a.group != 0) return a.group > 0;
   return (a.mask & b.category) != 0 && (b.mask & a.category) != 0;
 }
 
-/// Whether two proxies may touch in any pose: they have different bodies, their filters allow it, and one of them is no
-/// line. Contacts need a dynamic proxy. Overlaps with a sensor need one that is not static; sensors do not detect
+/// Whether two proxies may touch in any pose: they have different bodies, their filters allow it, and at most one is a
+/// line. Contacts need a dynamic proxy. Overlaps with a sensor need a proxy that is not static; sensors do not detect
 /// sensors.
 inline bool may_touch(const Proxy& a, const Proxy& b) {
   if (a.body == b.body || !pass(a.filter, b.filter) || (a.is_line && b.is_line)) return false;

@@ -10,8 +10,8 @@
 
 namespace ticktrue::engine::TICKTRUE_PRECISION {
 
-/// Moves the parts of a list that chunks have written together and returns the length. `begin_of(chunk)`: where a part
-/// begins. `counts`: [chunk].
+/// Moves the parts of a list that chunks have written together and returns the length. `begin_of(chunk)`: the begin of
+/// a part. `counts`: [chunk].
 template <typename Row, typename Begin>
 std::size_t put_together(Row* rows, const std::vector<std::uint32_t>& counts, Begin begin_of) {
   std::size_t total = counts.empty() ? 0 : counts[0];
@@ -23,9 +23,9 @@ std::size_t put_together(Row* rows, const std::vector<std::uint32_t>& counts, Be
   return total;
 }
 
-/// select(begin, end, out) writes at most one row for each element of begin..end-1 of a range and returns how many; it
-/// is called in chunks of at least `least`. Returns how many there are in `out`, which has room for one of each
-/// element. `counts` is overwritten.
+/// Selects rows in chunks of at least `least` elements. select(begin, end, out) writes at most one row for each element
+/// of begin..end-1 and returns the number of rows. Returns the number of rows in `out`, which has capacity for one row
+/// per element. `counts` is overwritten.
 template <typename Row, typename Select>
 std::size_t select_in_chunks(const Parallel& parallel, std::vector<std::uint32_t>& counts, std::size_t count,
                              std::size_t least, Row* out, const Select& select) {

@@ -1,4 +1,4 @@
-// The solver set that is being solved, as the rooms of the solver see it.
+// The present solver set, as input of the rooms of the solver.
 // SPDX-License-Identifier: MIT
 #pragma once
 
@@ -13,7 +13,7 @@
 
 namespace ticktrue::engine::TICKTRUE_PRECISION {
 
-/// What every room of the solver is told. A room writes the bodies, and its own ranges of the set.
+/// The common input of the rooms of the solver. A room writes the bodies, and its own ranges of the set.
 struct SolvedSet {
   const Model& model;
   const State& state;  // at the start of the tick
@@ -21,7 +21,7 @@ struct SolvedSet {
   SolverSet& set;
   std::uint32_t index;  // of the set
   SolverBodies& bodies;
-  std::span<const std::uint32_t> rows;  // its bodies that move in the present passes
+  std::span<const std::uint32_t> rows;  // the bodies of the set that move in the present passes
 
   const Parallel& parallel() const { return tick.parallel; }
   const SolverKernels& kernels() const { return model.kernels; }

@@ -1,4 +1,4 @@
-// What a stage of the pipeline is.
+// The interface of a stage of the pipeline.
 // SPDX-License-Identifier: MIT
 #pragma once
 
@@ -13,7 +13,7 @@ struct Model;
 struct State;
 struct TickLists;
 
-/// One part of a tick. A stage owns the memory that it works in, which no tick reads before writing it, and its caches.
+/// One part of a tick. A stage owns its workspace, which no tick reads before writing it, and its caches.
 class Stage {
  public:
   virtual ~Stage() = default;
@@ -21,7 +21,7 @@ class Stage {
   virtual void run(const Model& model, State& state, TickLists& tick, Real dt) = 0;
   /// Appends the caches of the stage: all that outlives a tick.
   virtual void list_caches(std::vector<TickCache*>&) {}
-  /// Fills everything but caches with bytes that make wrong results loud (NaN, huge indices).
+  /// Fills everything except caches with bytes that make wrong results obvious (NaN, huge indices).
   virtual void poison() {}
 };
 

@@ -1,4 +1,4 @@
-// The schema of the state, its image, and the state a scene begins with.
+// The schema of the state, its image, and the first state of a scene.
 // SPDX-License-Identifier: MIT
 #include "engine/model/state.h"
 
@@ -68,7 +68,7 @@ Error image_error(const std::string& what) {
   return {ErrorCode::corrupt, "state image: " + what, ""};
 }
 
-/// There is a row for each joint of the scene whose bodies exist, and for no other.
+/// Checks that the state has a row for each joint of the scene whose bodies exist, and no other row.
 Status check_joints(const Model& model, const State& state) {
   std::size_t row = 0;
   for (std::size_t i = 0; i < model.joints.size(); ++i) {
@@ -86,7 +86,8 @@ Status check_joints(const Model& model, const State& state) {
   return {};
 }
 
-/// Largest child index of the model; at least that of every scene without chains, so that their schemas are equal.
+/// The largest child index of the model, at least that of a body without chains. Scenes without chains then have equal
+/// schemas.
 double child_max(const Model& model) {
   const std::size_t count = model.child_count_max;
   return static_cast<double>(count > limits::shape_count_per_body_max ? count : limits::shape_count_per_body_max) - 1;
@@ -250,7 +251,7 @@ TableSchema schema_of(const Model&, const std::string& name, const IntegratorRow
           0};
 }
 
-/// Whether the bodies of a row, which exist, have the children it names.
+/// Whether the bodies of a row, which exist, have the row's children.
 bool has_children(const Model& model, const State& state, const TouchRow& row) {
   const BodyModel& a = model.bodies[state.bodies[state.find_body(row.body_a)].source];
   const BodyModel& b = model.bodies[state.bodies[state.find_body(row.body_b)].source];
@@ -261,7 +262,7 @@ bool has_children(const Model& model, const State& state, const TouchRow& row) {
 
 std::size_t State::find_body(std::uint32_t id) const {
   if (bodies.empty() || id > bodies.back().id) return bodies.size();
-  // A row is its id less the ids below that are missing: the search is over as many rows as bodies were removed.
+  // A body's row is its id less the number of missing ids below. The search covers as many rows as bodies were removed.
   const std::size_t missing = bodies.back().id + std::size_t{1} - bodies.size();
   std::size_t low = id > missing ? id - missing : 0;
   std::size_t high = id + std::size_t{1} < bodies.size() ? id + std::size_t{1} : bodies.size();

@@ -13,7 +13,7 @@ struct WorldRow {
   std::uint64_t tick;            // ticks done
   double time;                   // s, sum of their dt
   Vec2 gravity;                  // m/s^2
-  std::uint32_t next_id;         // id of the next body; ids are never used again
+  std::uint32_t next_id;         // id of the next body; no id is used twice
   std::uint32_t ignored_inputs;  // inputs to bodies that were already removed
 };
 
@@ -26,14 +26,14 @@ struct BodyRow {
   Real angular_velocity;  // rad/s
 };
 
-/// A contact of two children (convex shapes of bodies), with its forces for warm starting. It exists exactly if the
-/// narrow phase found a point within the speculative margin. Rows ascend by (body_a, child_a, body_b, child_b).
+/// A contact of two children (convex shapes of bodies), with its forces for warm starting. The row exists if and only
+/// if the narrow phase found a point within the speculative margin. Rows ascend by (body_a, child_a, body_b, child_b).
 struct ContactRow {
   std::uint32_t body_a;   // id, the smaller one
   std::uint32_t child_a;  // index of the shape in its body
   std::uint32_t body_b;   // id
   std::uint32_t child_b;
-  std::uint32_t feature[2];  // what touches, per point; no_feature where there is no second point
+  std::uint32_t feature[2];  // per point; no_feature if there is no second point
   Real normal_force[2];      // N, mean over the last substep
   Real tangent_force[2];     // N
 };
@@ -41,22 +41,22 @@ inline constexpr std::uint32_t no_feature = 0xffffffff;
 
 /// Two children that touch. Rows ascend by all four.
 struct TouchRow {
-  std::uint32_t body_a;   // id; of a contact the smaller one, else the sensor's
+  std::uint32_t body_a;   // id; of a contact the smaller one, of an overlap the sensor's
   std::uint32_t child_a;  // index of the shape in its body
-  std::uint32_t body_b;   // id; of the visitor
+  std::uint32_t body_b;   // id; of an overlap the visitor's
   std::uint32_t child_b;
 };
 
 enum class EventKind : std::uint32_t { contact_begin, contact_end, sensor_begin, sensor_end };
 inline constexpr std::uint32_t event_kind_count = 4;
 
-/// A contact or overlap that began or ended in this tick. Rows ascend by (kind, touch); the bodies may be gone.
+/// A contact or overlap that began or ended in this tick. Rows ascend by (kind, touch); its bodies may no longer exist.
 struct EventRow {
   std::uint32_t kind;  // EventKind
   TouchRow touch;
 };
 
-/// A pointer with a body: the state of a mouse joint.
+/// A pointer that holds a body: the state of a mouse joint.
 struct PointerRow {
   std::uint32_t player;
   std::uint32_t body;  // id
@@ -65,7 +65,7 @@ struct PointerRow {
   Vec2 force;          // N, of the last substep, for warm starting
 };
 
-/// A joint of the scene, as long as its bodies exist.
+/// A joint of the scene, while its bodies exist.
 struct JointRow {
   std::uint32_t joint;   // index in Scene::joints
   std::uint32_t kind;    // JointKind
@@ -73,7 +73,7 @@ struct JointRow {
   std::uint32_t body_b;  // id
   Real motor_speed;      // m/s or rad/s, of B relative to A
   Real motor_force_max;  // N or N m
-  Vec2 linear_force;     // N, mean over the last substep, as the others; joints/joint_*.cpp say which ones a kind uses
+  Vec2 linear_force;     // N, mean over the last substep, as the others; joints/joint_*.cpp list the forces of a kind
   Real torque;           // N m
   Real spring_force;     // N or N m
   Real lower_force;
@@ -95,13 +95,13 @@ struct SubstepRow {
   std::uint32_t idle_ticks;  // for which fewer would have been enough
 };
 
-/// What the loads measured in the last tick ask for. Row by row those of the bodies, with SubstepLoads::measured.
+/// The substeps that the measured loads of the last tick need, with SubstepLoads::measured. Parallel to the bodies.
 struct LoadRow {
   std::uint32_t body;    // id
   std::uint32_t wanted;  // substeps; 0 before the first tick
 };
 
-/// Accelerations of a body in the last substep; row by row those of the bodies. Owned by thesis_verlet.
+/// Accelerations of a body in the last substep, for thesis_verlet. Parallel to the bodies.
 struct AccelerationRow {
   Vec2 linear;   // m/s^2
   Real angular;  // rad/s^2
@@ -125,7 +125,7 @@ static_assert(sizeof(LoadRow) == 8);
 static_assert(sizeof(AccelerationRow) == 3 * sizeof(Real));
 static_assert(sizeof(IntegratorRow) == 4);
 
-/// Which tables a pipeline owns.
+/// The tables that a pipeline owns.
 struct StateTables {
   bool world = true;
   bool bodies = true;
@@ -165,8 +165,8 @@ struct State {
   }
 };
 
-/// The list of tables, in the order of the schema: calls visit(name, rows) for each that is owned. `rows` is a vector
-/// of `state`, or the one row.
+/// The list of tables, in the order of the schema: calls visit(name, rows) for each owned table. `rows` is a vector of
+/// `state`, or its one row.
 template <typename StateType, typename Visit>
 void for_each_table(StateType& state, const StateTables& owned, Visit visit) {
   if (owned.world) visit("world", state.world);
@@ -184,7 +184,7 @@ void for_each_table(StateType& state, const StateTables& owned, Visit visit) {
   if (owned.integrator) visit("integrator", state.integrator);
 }
 
-/// Whether the model's integrator remembers accelerations.
+/// Whether the model's integrator stores accelerations in the state.
 inline bool keeps_accelerations(const Model& model) {
   return model.scene.settings.integrator == IntegratorKind::thesis_verlet;
 }
@@ -193,14 +193,14 @@ StateSchema make_schema(const Model& model, StateTables tables);
 /// Points `view` at the rows of `state`. `view.schema` must be set.
 void update_view(const State& state, StateTables tables, StateView& view);
 
-/// Replaces `state` by an image. Errors: corrupt; then `state` is unchanged.
+/// Replaces `state` by an image. Errors: corrupt; `state` is then unchanged.
 Status load_state(const Model& model, const StateSchema& schema, StateTables tables, ByteView image, State& state);
 
 State initial_state(const Model& model);
 
 /// Appends a body and its rows in the tables that are parallel to the bodies. Requires: an id above all others.
 void add_body_row(const Model& model, State& state, const BodyRow& body);
-/// Erases them. Rows that refer to the body are the caller's.
+/// Erases a body and its rows in these tables. The caller removes other rows that refer to the body.
 void erase_body_row(State& state, std::size_t row);
 
 }  // namespace ticktrue::engine::TICKTRUE_PRECISION

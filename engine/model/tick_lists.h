@@ -1,4 +1,4 @@
-// What the stages of one tick hand on to each other. Nothing of it outlives the tick.
+// The data that stages of one tick pass on to each other. None of it outlives the tick.
 // SPDX-License-Identifier: MIT
 #pragma once
 
@@ -18,13 +18,13 @@
 
 namespace ticktrue::engine::TICKTRUE_PRECISION {
 
-/// The bodies against those of the tick before, as a broad phase that follows them knows them.
+/// The changes of bodies since the tick before, from a broad phase that follows bodies.
 struct BodyChanges {
-  bool is_known = false;              // else all of them may be others
-  std::uint32_t body_generation = 0;  // another number in each tick that has other bodies than the one before
+  bool is_known = false;              // false: any body may have changed
+  std::uint32_t body_generation = 0;  // a different number whenever the set of bodies has changed
   // [body] its pose (where contacts are speculative: all of it) has the bits of the tick before
   std::span<const std::uint8_t> is_unchanged;
-  bool many_are_unchanged = false;  // of those that are not static
+  bool many_are_unchanged = false;  // of the bodies that are not static
   bool any_swept = false;           // some body may pass through something in this tick
   bool same_pairs = false;          // the pairs are those of the tick before
 };
@@ -33,7 +33,7 @@ struct TickLists {
   Parallel parallel;                                                            // the engine's
   std::size_t pair_count_max = limits::pair_count_max(limits::body_count_max);  // of this tick
 
-  // By the inputs.
+  // Written by the inputs.
   std::vector<Input> inputs;
   std::vector<Vec2> force;                 // [body] N, from this tick's inputs; empty if there are none
   std::vector<Real> torque;                // [body] N m
@@ -41,23 +41,23 @@ struct TickLists {
   std::vector<TouchRow> removed_sensors;
   std::optional<InjectedFault> injected;  // for this tick
 
-  // By the broad phase.
+  // Written by the broad phase.
   std::span<const Proxy> proxies;
   std::span<const Pair> pairs;      // by (first, second)
-  bool has_too_many_pairs = false;  // more than pair_count_max boxes overlap: none are listed, the tick cannot be done
+  bool has_too_many_pairs = false;  // more than pair_count_max boxes overlap: no pair is listed and the tick fails
   BodyChanges changes;
 
-  // By the narrow phase.
-  std::span<const ContactPair> contact_pairs;  // row by row those of State::contacts
-  std::uint32_t contact_generation = 0;  // another number in each tick that has other contacts than the one before
+  // Written by the narrow phase.
+  std::span<const ContactPair> contact_pairs;  // parallel to State::contacts
+  std::uint32_t contact_generation = 0;        // a different number whenever the contacts have changed
 
-  // By the search for impacts.
-  std::vector<ImpactPair> impacts;  // that may come in this tick
+  // Written by the search for impacts.
+  std::vector<ImpactPair> impacts;  // pairs that may hit in this tick
 
-  // By the islands.
-  bool has_solver_sets = false;                // else everything will be one set
+  // Written by the islands.
+  bool has_solver_sets = false;                // false: all bodies will be in one set
   std::vector<SolverSet> solver_sets;          // ascending by substeps; sleeping islands are in none
-  std::vector<std::uint32_t> set_rows;         // bodies that move, of each set; kinematic ones are in all of them
+  std::vector<std::uint32_t> set_rows;         // moving bodies of each set; kinematic bodies are in all sets
   std::vector<std::uint32_t> set_contacts;     // in `contact_pairs`
   std::vector<std::uint32_t> body_solver_set;  // [body] index in `solver_sets`; no_solver_set: asleep or static
   std::vector<std::uint32_t> island_parent;    // [body] union-find
@@ -66,10 +66,10 @@ struct TickLists {
   std::vector<RestingImpact> resting_impacts;
   std::uint32_t shock_work_left = 0;  // contacts that may still be solved for resting impacts in this tick
   std::vector<Real> load;             // [body] N
-  std::vector<Real> mass_factor;      // [body] how much heavier constraints see it; with automatic substeps
+  std::vector<Real> mass_factor;      // [body] factor of its mass for constraints; with automatic substeps
 };
 
-/// All but what the caller sets for a tick: `parallel`, `pair_count_max`, `inputs` and `injected`.
+/// All fields except those that the caller sets for a tick: `parallel`, `pair_count_max`, `inputs` and `injected`.
 template <typename Visit>
 void list_fields(TickLists& of, const Visit& visit) {
   auto& [parallel, pair_count_max, inputs, force, torque, removed_touching, removed_sensors, injected, proxies, pairs,
@@ -81,7 +81,7 @@ void list_fields(TickLists& of, const Visit& visit) {
         island_parent, island_level, island_has_resting_impact, resting_impacts, shock_work_left, load, mass_factor);
 }
 
-/// What a stage finds where the stages before it that would write it are left out.
+/// Sets the lists as they are if the stages that write them are left out.
 void begin_tick(TickLists& tick);
 
 }  // namespace ticktrue::engine::TICKTRUE_PRECISION
