@@ -1,6 +1,6 @@
-// Contacts of two quadrilaterals, several pairs side by side.
+// Contacts of two quadrilaterals, several pairs at a time.
 // SPDX-License-Identifier: MIT
-// Source: as collide_polygons.cpp. Each lane does the operations of collide_polygons for such a pair in the same order,
+// Source: as collide_polygons.cpp. Each lane does the operations of collide_polygons for its pair in the same order,
 // with selections instead of branches.
 #include "engine/model/solver_kernels.h"
 #include "engine/narrow_phase/clip_edge.h"
@@ -150,7 +150,7 @@ TICKTRUE_INLINE void collide_lanes(const BoxPairs& pairs, const Real* poses, con
   const ClippedEdge<RealxN> clipped = clip_edge<RealxN>({reference.x1, reference.y1, reference.x2, reference.y2}, nx,
                                                         ny, {incident.x1, incident.y1, incident.x2, incident.y2});
 
-  // The incident edge runs the other way: its end is at the beginning of the reference edge.
+  // The incident edge runs in the opposite direction: its end is at the begin of the reference edge.
   const auto next = [&](RealxN corner) { return corner < broadcast(3) ? corner + one : zero; };
   const RealxN on_reference[2] = {reference.index, next(reference.index)};
   const RealxN on_other[2] = {next(incident.index), incident.index};

@@ -1,4 +1,4 @@
-// Pairs of quadrilaterals as kernels see them: eight at a time.
+// Pairs of quadrilaterals in the layout of kernels: eight at a time.
 // SPDX-License-Identifier: MIT
 #pragma once
 
@@ -18,7 +18,7 @@ struct BoxContacts {
   BoxFeatures features;
 };
 
-/// Eight pairs; lanes beyond the last pair repeat one.
+/// Eight pairs; lanes beyond the last pair repeat a pair.
 struct BoxPairs {
   std::uint32_t body_a[lane_count], body_b[lane_count];
   std::uint32_t quad_a[lane_count], quad_b[lane_count];

@@ -1,4 +1,4 @@
-// From pairs to lanes, and from lanes to manifolds.
+// Conversion from pairs to lanes, and from lanes to manifolds.
 // SPDX-License-Identifier: MIT
 #include "engine/narrow_phase/box_pairs.h"
 
@@ -9,7 +9,7 @@
 namespace ticktrue::engine::TICKTRUE_PRECISION {
 namespace {
 
-/// Fewer pairs do not pay for a batch.
+/// A batch of fewer pairs does not pay.
 constexpr std::uint32_t pairs_per_batch_least = 3;
 
 // The layout on which kernels rely.

@@ -43,8 +43,8 @@ class BoxManifolds {
     if (exists[1]) write_point(found, lane, 1, manifold.points[exists[0] ? 1 : 0]);
   }
 
-  /// Updates the contacts of all boxes of a block in place. False, and nothing changed, unless each box still has the
-  /// same features. `contacts`: of these boxes. Requires: block.has_features.
+  /// Updates the contacts of all boxes of a block in place. Returns false and changes nothing unless each box has the
+  /// same features as before. `contacts`: of these boxes. Requires: block.has_features.
   bool renew(const PairBlock& block, ContactPair* contacts) const {
     for (std::uint32_t first = 0; first < block.box_count; first += lane_count)
       if (std::memcmp(&contacts_[first / lane_count].features, &block.features[first / lane_count],

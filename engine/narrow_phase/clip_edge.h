@@ -1,9 +1,8 @@
 // Clipping of an incident edge to the width of a reference edge, for one pair of polygons or several at a time.
 // SPDX-License-Identifier: MIT
 // Source: Sutherland and Hodgman, "Reentrant Polygon Clipping", 1974.
-//
-// `V` is Real, or a vector of several: each lane does the same operations. Kernels include this header: it has no code
-// that is not inlined.
+// `V` is Real or a vector of lanes: each lane does the same operations. Kernels include this header, so all its code is
+// inlined.
 #pragma once
 
 #include "engine/math/scalar.h"
@@ -16,15 +15,15 @@ struct EdgeEnds {
   V x1, y1, x2, y2;
 };
 
-/// What is left of the incident edge. Point 0 is at the first end of the reference edge.
+/// The remaining part of the incident edge. Point 0 is at the first end of the reference edge.
 template <typename V>
 struct ClippedEdge {
-  decltype(V{} > V{}) is_beside;  // nothing is left
+  decltype(V{} > V{}) is_beside;  // nothing remains
   V middle_x[2], middle_y[2];     // halfway between each point and the reference edge, m
   V separation[2];                // m
 };
 
-/// `above / below` where a lane is wanted.
+/// `above / below`, in lanes where `wanted` is true.
 [[gnu::always_inline]] inline Real quotient_where(bool wanted, Real above, Real below) {
   return wanted ? above / below : Real(0);
 }
@@ -38,7 +37,7 @@ template <typename V>
 [[gnu::always_inline]] inline ClippedEdge<V> clip_edge(const EdgeEnds<V>& reference, V normal_x, V normal_y,
                                                        const EdgeEnds<V>& incident) {
   const V zero{};
-  // Along the reference edge. The incident edge runs the other way, from its second end to its first.
+  // Along the reference edge. The incident edge runs in the opposite direction, from its second end to its first.
   const V tangent_x = -normal_y;
   const V tangent_y = normal_x;
   const auto along = [&](V x, V y) __attribute__((always_inline)) {

@@ -2,8 +2,8 @@
 // a shape slides or rolls over a corner without a bump.
 // SPDX-License-Identifier: MIT
 // Source: van den Bergen, "Game Physics Pearls", 2010, chapter 4 (Voronoi regions of a mesh decide which normals are
-// real). Corner by corner: a convex one owns the normals between those of its edges, and belongs to the edge that ends
-// there; a straight or concave one owns none. A point is in the same region seen from either edge, bit for bit.
+// real). A convex corner owns the normals between those of its edges, and belongs to the edge that ends there. A
+// straight or concave corner owns no normal. A point is in the same region from either edge, bit for bit.
 #include "engine/narrow_phase/convex_hulls.h"
 
 namespace ticktrue::engine::TICKTRUE_PRECISION {
@@ -11,7 +11,7 @@ namespace {
 
 /// Corners with a smaller sine count as straight: a hull lies flat on both edges.
 constexpr Real straight_sine = Real(0.01);
-/// Share by which a region is enlarged where a lost contact would be worse than a double one.
+/// The share by which a region is enlarged where a lost contact is worse than a double contact.
 constexpr Real region_tolerance = Real(1e-3);
 
 struct Edge {
@@ -19,12 +19,12 @@ struct Edge {
   Vec2 along;   // end - begin
   Vec2 normal;  // to the right
   bool has_before, has_after;
-  Vec2 along_before;  // of the edge before
-  Vec2 along_after;   // of the edge after
+  Vec2 along_before;  // of the edge before this one
+  Vec2 along_after;   // of the edge after this one
   bool convex_before, convex_after;
 };
 
-/// Convex, also at a tip where the chain reverses: the tip must have contacts from ahead.
+/// Whether a corner is convex. A tip where the chain reverses is convex, too: it must have contacts from ahead.
 bool is_convex(Vec2 first, Vec2 second) {
   const Real limit = straight_sine * square_root(length_squared(first) * length_squared(second));
   const Real sine = cross(first, second);
@@ -59,7 +59,7 @@ bool belongs_to_corner(const Edge& edge, Vec2 normal) {
 
 enum class Region : std::uint8_t { none, face, corner };
 
-/// The region of the closest point of an edge, which decides the normal.
+/// The region of an edge that contains the closest point. The region decides the normal.
 Region region_of(const Edge& edge, const ClosestPoints& closest, bool in_front) {
   const Region face = in_front ? Region::face : Region::none;
   if (closest.vertex_a == no_vertex) return face;
@@ -67,12 +67,12 @@ Region region_of(const Edge& edge, const ClosestPoints& closest, bool in_front) 
   const bool at_end = closest.vertex_a == 1;
   if (at_end ? !edge.has_after : !edge.has_before) return dot(edge.normal, offset) >= 0 ? Region::corner : Region::none;
   if (at_end ? !edge.convex_after : !edge.convex_before) return face;
-  if (!at_end) return Region::none;  // the edge before has this corner
+  if (!at_end) return Region::none;  // the edge before owns this corner
   const Real limit = region_tolerance * square_root(length_squared(edge.along_after) * closest.distance_squared);
   return dot(edge.along_after, offset) <= limit ? Region::corner : Region::none;
 }
 
-/// The normal of overlapping cores: that of the edge, or one of the hull that belongs to a corner if its overlap is
+/// The normal of overlapping cores: that of the edge, or a hull normal that belongs to a corner, if its overlap is
 /// smaller.
 Vec2 overlap_normal(const Edge& edge, const Hull& line, const Hull& hull, Real preference) {
   const Hull face{line.vertices, line.normals, 2};

@@ -6,7 +6,7 @@
 namespace ticktrue::engine::TICKTRUE_PRECISION {
 namespace {
 
-/// One point halfway between the surfaces of a round (center, radius) on A's side and one on B's side.
+/// One point halfway between the surfaces of a round shape (center, radius) on A's side and one on B's side.
 Manifold between_rounds(Vec2 center_a, Real radius_a, Vec2 center_b, Real radius_b, Real margin,
                         std::uint32_t feature) {
   Manifold manifold;
@@ -14,7 +14,7 @@ Manifold between_rounds(Vec2 center_a, Real radius_a, Vec2 center_b, Real radius
   const Real distance = length(offset);
   const Real separation = distance - radius_a - radius_b;
   if (!(separation <= margin)) return manifold;
-  // Coincident centres have no direction between them; any fixed one separates them.
+  // Coincident centres have no direction between them; any fixed direction separates them.
   manifold.normal = distance > 0 ? (1 / distance) * offset : Vec2{0, 1};
   const Vec2 on_a = center_a + radius_a * manifold.normal;
   const Vec2 on_b = center_b - radius_b * manifold.normal;
@@ -49,7 +49,7 @@ Manifold collide_polygon_circle(const Model& model, const ShapeModel& a, const S
   const Vec2 v1 = vertices[edge];
   const Vec2 v2 = vertices[next];
   if (outside > 0) {
-    // Beyond an end of the edge the closest point is the vertex. Features 0..15: edges, 16..31: vertices.
+    // Beyond an end of the edge, the closest point is the vertex. Features 0..15 are edges, 16..31 vertices.
     if (dot(center - v1, v2 - v1) < 0) return between_rounds(v1, 0, center, b.radius, margin, 16 + edge);
     if (dot(center - v2, v1 - v2) < 0) return between_rounds(v2, 0, center, b.radius, margin, 16 + next);
   }

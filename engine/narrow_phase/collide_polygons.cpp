@@ -2,8 +2,8 @@
 // SPDX-License-Identifier: MIT
 // Source: Gottschalk, "Separating Axis Theorem", 1996; clipping: clip_edge.h.
 //
-// Two quadrilaterals test all axes of one polygon at once. Each lane does the operations of the loop over edges, in its
-// order.
+// Two quadrilaterals test all axes of one polygon at once. Each lane does the operations of the loop over edges in the
+// same order.
 #include "engine/narrow_phase/clip_edge.h"
 #include "engine/narrow_phase/convex_hulls.h"
 #include "engine/simd/realx4.h"
@@ -83,7 +83,7 @@ Quad seen_from(const Placement& placement, const Quad& quad) {
 // ---- Both ----
 
 /// Clips the incident edge of `other` to the width of the reference edge of `reference`. The normal of the result
-/// points away from `reference`; features name the vertices of A first, whichever hull that is.
+/// points away from `reference`. Features name the vertices of A first, whichever polygon is the reference.
 template <typename Outline>
 void clip(const Outline& reference, std::uint32_t edge, const Outline& other, Real margin, bool reference_is_a,
           Manifold& manifold) {
@@ -132,7 +132,7 @@ Manifold collide_outlines(const Outline& a, const Outline& b, Real margin, Real 
 
 Manifold collide_polygons(const Model& model, const ShapeModel& a, const ShapeModel& b, const Placement& b_in_a,
                           Real margin) {
-  // A is preferred by a tenth of the slop, so that equal overlaps do not make the reference edge flicker.
+  // A is preferred by a tenth of the slop, so that rounding does not switch the reference edge at equal overlaps.
   const Real preference = Real(0.1) * linear_slop(pair_size(a, b));
   if (a.quad != no_quad && b.quad != no_quad)
     return collide_outlines(model.quads[a.quad], seen_from(b_in_a, model.quads[b.quad]), margin, preference);

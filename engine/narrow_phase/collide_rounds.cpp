@@ -1,7 +1,7 @@
 // Contacts of hulls with a radius: capsules, rounded polygons, and segments, whose radius is 0.
 // SPDX-License-Identifier: MIT
-// Source: Ericson, "Real-Time Collision Detection", 2005, section 4.5.1 (sphere-swept volumes): the distance of two
-// cores less their radii is exact while the cores are apart. Overlapping cores: separating axes.
+// Source: Ericson, "Real-Time Collision Detection", 2005, section 4.5.1 (sphere-swept volumes). The distance of two
+// cores less their radii is exact while the cores are apart. Overlapping cores use separating axes.
 #include "engine/narrow_phase/convex_hulls.h"
 
 namespace ticktrue::engine::TICKTRUE_PRECISION {
@@ -24,7 +24,7 @@ Manifold collide_rounds(const Model& model, const ShapeModel& a, const ShapeMode
       return manifold.point_count > 0 ? manifold : between_points(closest, a.radius, b.radius, normal, margin);
     }
   }
-  // A is preferred by a tenth of the slop, so that equal overlaps do not make the normal flicker.
+  // A is preferred by a tenth of the slop, so that rounding does not switch the normal at equal overlaps.
   const Real preference = Real(0.1) * linear_slop(pair_size(a, b));
   const bool along_b = overlap.axis_b.separation > overlap.axis_a.separation + preference;
   const Vec2 normal = along_b ? -hull_b.normals[overlap.axis_b.edge] : hull_a.normals[overlap.axis_a.edge];

@@ -1,4 +1,4 @@
-// What the narrow phase caches from tick to tick.
+// The caches and the workspace of the narrow phase.
 // SPDX-License-Identifier: MIT
 #pragma once
 
@@ -13,36 +13,36 @@
 
 namespace ticktrue::engine::TICKTRUE_PRECISION {
 
-/// What manifolds follow from, beside the poses of their bodies.
+/// The inputs of manifolds, beside the poses of their bodies.
 struct ManifoldKey {
-  bool is_known = false;  // whether bodies are compared with those of the tick before; else nothing is valid
+  bool is_known = false;  // bodies are compared with those of the tick before; false: nothing is valid
   std::uint32_t body_generation = 0;
   Real gravity_displacement = 0;  // m
-  Real dt = 0;                    // s, where contacts are speculative; else 0
+  Real dt = 0;                    // s, if contacts are speculative; otherwise 0
 
   bool operator==(const ManifoldKey&) const = default;
 };
 
-/// The contact pairs of the tick before, row by row those of State::contacts. A pair whose bodies are unchanged has the
-/// manifold that it had. Key: ManifoldKey.
+/// The contact pairs of the tick before, parallel to State::contacts. A pair whose bodies are unchanged has the same
+/// manifold. Key: ManifoldKey.
 class ManifoldCache final : public TickCache {
  public:
   ManifoldCache() : TickCache(CacheKind::manifolds) {}
   bool valid_for(const ManifoldKey& key, std::size_t contact_count) const {
     return is_valid_ && key.is_known && key_ == key && pairs_.size() == contact_count;
   }
-  /// Takes the place of the pairs; what was there is left in `pairs`.
+  /// Swaps the cached pairs with `pairs`.
   void rebuild(const ManifoldKey& key, std::vector<ContactPair>& pairs) {
     pairs_.swap(pairs);
     key_ = key;
     is_valid_ = key.is_known;
   }
-  /// Hands the pairs out, to be changed in place and handed back by rebuild().
+  /// Moves the pairs out. The caller changes them in place and returns them with rebuild().
   void take(std::vector<ContactPair>& pairs) {
     pairs_.swap(pairs);
     is_valid_ = false;
   }
-  /// `unchanged_count`: manifolds that were used again.
+  /// `unchanged_count`: manifolds that were reused.
   void count(std::uint64_t unchanged_count, bool was_valid) { count_uses({unchanged_count, was_valid ? 0u : 1u}); }
   void invalidate() override { is_valid_ = false; }
   std::span<const ContactPair> pairs() const { return pairs_; }
@@ -53,19 +53,20 @@ class ManifoldCache final : public TickCache {
   std::vector<ContactPair> pairs_;
 };
 
-/// Whether the contacts of a tick are likely those of the tick before, so that they are written over those.
+/// Whether the contacts of a tick are likely those of the tick before, so that new contacts overwrite old ones in
+/// place.
 class ContactPlaces final : public TickCache {
  public:
   ContactPlaces() : TickCache(CacheKind::contact_places) {}
   bool valid() const { return is_settled_; }
-  /// `any_new`: some contact was not there in the tick before. `same`: the contacts are those of the tick before.
+  /// `any_new`: some contact did not exist in the tick before. `same`: the contacts are those of the tick before.
   void rebuild(bool any_new, bool same) {
     is_settled_ = !any_new;
     if (!same) ++generation_;
   }
   void count(bool was_hit) { count_use(was_hit); }
   void invalidate() override { is_settled_ = false; }
-  /// Another number in each tick that has other contacts than the one before.
+  /// A different number whenever the contacts have changed.
   std::uint32_t generation() const { return generation_; }
 
  private:
@@ -73,11 +74,11 @@ class ContactPlaces final : public TickCache {
   std::uint32_t generation_ = 0;
 };
 
-/// Blocks of the pairs of the tick before. Each has its own key: its pairs, and that it was looked at in that tick.
+/// Blocks of the pairs of the tick before. The key of each block: its pairs, and its use in the tick before.
 class PairBlocks final : public TickCache {
  public:
   PairBlocks() : TickCache(CacheKind::pair_blocks) {}
-  /// Blocks for the next tick, as they were left in the last.
+  /// The blocks for the next tick, with their content of the last tick.
   PairBlock* begin_tick(std::size_t block_count) {
     if (blocks_.size() < block_count) blocks_.resize(block_count);
     ++tick_;
@@ -94,19 +95,19 @@ class PairBlocks final : public TickCache {
   std::vector<PairBlock> blocks_;
 };
 
-/// What a chunk has added to a list.
+/// The part that a chunk has added to a list.
 struct ListPart {
-  std::size_t first;     // where it wrote
-  std::size_t in_place;  // so many of them there; the rest is spilled
+  std::size_t first;     // begin of its place
+  std::size_t in_place;  // contacts at this place; the rest is spilled
   std::size_t count;
   std::size_t place;  // in the list
 };
 
-/// What the narrow phase works in during a tick.
+/// The workspace of the narrow phase in a tick.
 struct NarrowPhaseWork {
   std::vector<ContactPair> contact_pairs;
   std::vector<ContactRow> contacts;                // the rows that replace State::contacts
-  std::vector<ContactPair> contact_pairs_spilled;  // where chunks write what does not fit, and to where all are moved
+  std::vector<ContactPair> contact_pairs_spilled;  // contacts of chunks that do not fit at their place
   std::vector<ContactPair> contact_pairs_moved;
   std::vector<ContactRow> contacts_spilled;
   std::vector<ContactRow> contacts_moved;

@@ -1,4 +1,4 @@
-// Closest features of two hulls, and the contact points between edges that face each other.
+// Closest features of two hulls, and contact points between facing edges.
 // SPDX-License-Identifier: MIT
 // Source: Ericson, "Real-Time Collision Detection", 2005, section 5.1.2 (closest point on a segment).
 #include "engine/narrow_phase/convex_hulls.h"
@@ -12,7 +12,7 @@ std::uint32_t edge_count(const Hull& hull) {
   return hull.count == 2 ? 1 : hull.count;
 }
 
-/// The closest point of an edge to a point, and the vertex it is, if it is one.
+/// The closest point of an edge to a point, and the vertex if the point is a vertex.
 struct OnEdge {
   Vec2 point;
   std::uint32_t vertex;
@@ -59,15 +59,15 @@ Overlap find_overlap(const Hull& a, const Hull& b, Real distance_max) {
   if (!(axis_a.separation <= distance_max)) return {axis_a, axis_a, false, false};
   const Axis axis_b = best_axis(b, a);
   const Real separation = larger(axis_a.separation, axis_b.separation);
-  // Two lines overlap where they cross. On one line, or end to end, they have no separating axis.
+  // Two lines overlap if they cross. Two lines on one line, or end to end, have no separating axis.
   const bool lines = a.count == 2 && b.count == 2;
   return {axis_a, axis_b, lines ? separation < 0 : separation <= 0, axis_b.separation <= distance_max};
 }
 
 Vec2 closest_normal(const Hull& a, const Hull& b, const ClosestPoints& closest) {
   const Vec2 offset = closest.on_b - closest.on_a;
-  // Beside an edge, the normal of the edge is more exact than the difference of two points. A line has a normal on
-  // either side.
+  // Beside an edge, the normal of the edge is more exact than the difference of two points. A line has a normal on each
+  // side.
   if (closest.vertex_a == no_vertex) {
     const Vec2 normal = a.normals[closest.edge_a];
     return dot(normal, offset) < 0 ? -normal : normal;
@@ -94,7 +94,7 @@ Manifold between_points(const ClosestPoints& closest, Real radius_a, Real radius
 }
 
 Manifold between_edges(const Hull& a, Real radius_a, const Hull& b, Real radius_b, Vec2 normal, Real margin) {
-  // A's edge runs along the tangent, B's against it.
+  // A's edge runs along the tangent, B's edge in the opposite direction.
   const std::uint32_t a1 = opposite_edge(a, -normal);
   const std::uint32_t a2 = a.next(a1);
   const std::uint32_t b1 = opposite_edge(b, normal);
@@ -109,7 +109,7 @@ Manifold between_edges(const Hull& a, Real radius_a, const Hull& b, Real radius_
   const Real upper_b = dot(b.vertices[b1] - begin_a, tangent);
   Manifold manifold;
   const Real common = smaller(end_a, upper_b) - larger(0, lower_b);
-  // Edges that diverge from one point have no common width but rounding.
+  // Edges that diverge from one point have no common width except rounding.
   if (!(common >= degenerate_share * smaller(end_a, upper_b - lower_b))) return manifold;
 
   manifold.normal = normal;
@@ -119,7 +119,7 @@ Manifold between_edges(const Hull& a, Real radius_a, const Hull& b, Real radius_
     manifold.points[manifold.point_count++] = {
         on_a + (radius_a + Real(0.5) * separation) * normal, {}, separation, feature_of(vertex_a, vertex_b)};
   };
-  // At each end of the common width one of the two edges ends.
+  // At each end of the common width, one of the two edges ends.
   const auto at_a = [&](Real along) { return begin_a + clamped_share(along, end_a) * edge_a; };
   const auto at_b = [&](Real along) { return begin_b + clamped_share(along - lower_b, upper_b - lower_b) * edge_b; };
   if (lower_b < 0)

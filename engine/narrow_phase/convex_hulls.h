@@ -8,7 +8,7 @@
 
 namespace ticktrue::engine::TICKTRUE_PRECISION {
 
-/// A convex outline, counter-clockwise. Two vertices: a line, its two edges back to back.
+/// A convex outline, counter-clockwise. Two vertices: a line with two opposite edges.
 struct Hull {
   const Vec2* vertices;
   const Vec2* normals;
@@ -54,7 +54,7 @@ inline std::uint32_t feature_of(std::uint32_t vertex_a, std::uint32_t vertex_b) 
   return vertex_a << 8 | vertex_b;
 }
 
-/// Memory for a hull in another frame. Not initialized: that takes longer than to fill it.
+/// Memory for a hull in another frame. It is not initialized, since initialization takes longer than filling.
 struct HullBuffer {
   HullBuffer() {}
   union {
@@ -78,7 +78,7 @@ inline Hull hull_of(const Model& model, const ShapeModel& shape, const Placement
 
 inline constexpr std::uint32_t no_vertex = 0xff;
 
-/// The closest points of two hulls that do not overlap. At least one of them is a vertex.
+/// The closest points of two hulls that do not overlap. At least one point is a vertex.
 struct ClosestPoints {
   Vec2 on_a;
   Vec2 on_b;
@@ -90,26 +90,26 @@ struct ClosestPoints {
 };
 ClosestPoints closest_points(const Hull& a, const Hull& b);
 
-/// Whether the hulls share a point. Exact but for rounding, lines included.
+/// Whether the hulls share a point, exact except for rounding, lines included.
 struct Overlap {
   Axis axis_a;  // best_axis(a, b)
-  Axis axis_b;  // best_axis(b, a), if they are near
+  Axis axis_b;  // best_axis(b, a), if the hulls are near
   bool found;
   bool is_within_distance;  // no axis separates them by more than `distance_max`
 };
 Overlap find_overlap(const Hull& a, const Hull& b, Real distance_max);
 
-/// Up to two points between the edges of A and B (hulls with radii around them) that face each other along `normal`:
-/// at both ends of their common width. None if they have none, or where they are farther apart than `margin`.
+/// Up to two points between the edges of A and B that face each other along `normal`, at both ends of their common
+/// width. The hulls may have radii. No points if the edges have no common width, or are farther apart than `margin`.
 Manifold between_edges(const Hull& a, Real radius_a, const Hull& b, Real radius_b, Vec2 normal, Real margin);
 
-/// One point between the closest points of two hulls, `normal` from A to B.
+/// One point between the closest points of two hulls; `normal` is from A to B.
 Manifold between_points(const ClosestPoints& closest, Real radius_a, Real radius_b, Vec2 normal, Real margin);
 
-/// The unit vector from A to B at their closest points. Requires: they are apart.
+/// The unit vector from A to B at their closest points. Requires: the hulls are apart.
 Vec2 closest_normal(const Hull& a, const Hull& b, const ClosestPoints& closest);
 
-/// The manifold of A and B from a function with the arguments in the other order.
+/// The manifold of A and B, from a function that takes B and A.
 template <CollideFunction collide_b_a>
 Manifold swapped(const Model& model, const ShapeModel& a, const ShapeModel& b, const Placement& b_in_a, Real margin) {
   const Rotation a_rotation{b_in_a.rotation.c, -b_in_a.rotation.s};

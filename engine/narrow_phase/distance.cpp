@@ -27,7 +27,7 @@ Vec2 farthest_vertex(const Hull& hull, Vec2 direction) {
 Distance distance(const Model& model, const ShapeModel& shape_a, const Placement& pose_a, const ShapeModel& shape_b,
                   const Placement& pose_b) {
   HullBuffer buffer_a, buffer_b;
-  // Seen from A's position: small numbers, whose differences are exact to more digits.
+  // Coordinates relative to A's position: differences of small numbers are more exact.
   const Hull a = core_of(model, shape_a, {{0, 0}, pose_a.rotation}, buffer_a);
   const Hull b = core_of(model, shape_b, {pose_b.position - pose_a.position, pose_b.rotation}, buffer_b);
   Distance best;
@@ -52,11 +52,11 @@ Distance distance(const Model& model, const ShapeModel& shape_a, const Placement
   const ClosestPoints closest = closest_points(a, b);
   if (!has_axis || best.separation > 0) {
     const Real gap = square_root(closest.distance_squared);
-    // Two corners too close for a direction: an edge's normal will do.
+    // Two corners too close for a direction: the normal of an edge is used.
     const Real blur = 64 * epsilon * (shape_a.bounding_radius + shape_b.bounding_radius);
     const bool corners = closest.vertex_a != no_vertex && closest.vertex_b != no_vertex;
     const Vec2 normal = gap > 0 ? closest_normal(a, b, closest) : Vec2{0, 0};
-    // Within rounding of each other the closest points may be the wrong way round.
+    // Within rounding of each other, the closest points may be in the wrong order.
     const bool agrees = !has_axis || dot(normal, best.normal) > 0;
     if (gap > 0 && agrees && !(has_axis && corners && gap < blur)) {
       best.separation = gap;
@@ -67,7 +67,7 @@ Distance distance(const Model& model, const ShapeModel& shape_a, const Placement
       best.normal = a.count > 1 ? a.normals[0] : Vec2{0, 1};
     }
   }
-  // Faces that meet flat meet in the middle of their common width; else midway between the closest features.
+  // Parallel faces touch in the middle of their common width; other shapes touch midway between the closest features.
   if (a.count > 1 && b.count > 1) {
     const Real tolerance = Real(1e-3) * pair_size(shape_a, shape_b);
     const Manifold faces = between_edges(a, shape_a.radius, b, shape_b.radius, best.normal,
@@ -79,7 +79,7 @@ Distance distance(const Model& model, const ShapeModel& shape_a, const Placement
     }
   }
   Vec2 middle = Real(0.5) * (closest.on_a + closest.on_b);
-  // Overlapping: at the corner that is deepest in the other shape.
+  // Overlapping shapes touch at the corner that is deepest in the other shape.
   if (has_axis && !is_separated) {
     const Vec2 deepest = axis_is_of_a ? farthest_vertex(b, -best.normal) : farthest_vertex(a, best.normal);
     middle = deepest + (axis_is_of_a ? Real(-0.5) : Real(0.5)) * best.separation * best.normal;

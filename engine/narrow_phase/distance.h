@@ -7,12 +7,12 @@
 namespace ticktrue::engine::TICKTRUE_PRECISION {
 
 struct Distance {
-  Real separation = 0;  // m; < 0: they overlap, along `normal` by that much
+  Real separation = 0;  // m; < 0: overlap along `normal`
   Vec2 normal;          // from A to B, unit
-  Vec2 point;           // between the two, world, m
+  Vec2 point;           // between the two shapes, world, m
 };
 
-/// Exact where the shapes are apart, up to rounding. Poses are those of the bodies' centres of mass.
+/// Exact up to rounding where the shapes are apart. Poses are those of the bodies' centres of mass.
 Distance distance(const Model& model, const ShapeModel& shape_a, const Placement& pose_a, const ShapeModel& shape_b,
                   const Placement& pose_b);
 

@@ -49,8 +49,8 @@ ContactKey key_of(const ContactRow& row) {
   return {key_of(row.body_a, row.child_a), key_of(row.body_b, row.child_b)};
 }
 
-/// Writes the row of a contact: with the forces of the last tick for points with the same features. Field by field,
-/// since copying a struct waits until all of it is written.
+/// Writes the row of a contact. Points keep the forces of the last tick for the same features. Fields are written one
+/// by one, since copying a struct waits until all of it is written.
 void write_row(const BodyRow& a, std::uint32_t child_a, const BodyRow& b, std::uint32_t child_b,
                const Manifold& manifold, const ContactRow* old_row, ContactRow& out) {
   out.body_a = a.id;
@@ -119,7 +119,7 @@ struct PairSearch {
   bool speculates;
   bool is_sparse;                // most pairs are far apart, so that a test of circles pays
   bool may_reuse;                // contacts of bodies with the same bits as in the tick before are the same
-  bool is_in_place;              // contacts are written in the places of the tick before
+  bool is_in_place;              // contacts are written to the places of the tick before
   const ContactRow* old_rows;    // of the tick before, ascending
   const ContactPair* old_pairs;  // likewise, if may_reuse
   std::size_t old_count;
@@ -152,7 +152,7 @@ std::size_t first_old_contact(const PairSearch& search, const Pair& pair) {
 /// The contacts of the tick before that may belong to the next pairs. In-place writes overwrite entries [0, next), and
 /// `next` itself if it belongs to the same pair.
 struct OldContacts {
-  std::size_t first;  // at the beginning of the buffer, if that is in place
+  std::size_t first;  // at the begin of the buffer, if the buffer is in place
   std::size_t next;
   std::size_t end;
 };
@@ -170,7 +170,7 @@ inline bool find_same(const ContactPair* old_pairs, const Pair& pair, OldContact
   while (old.next < old.end && place_of(old_pairs[old.next]) < place) ++old.next;
   return old.next < old.end && place_of(old_pairs[old.next]) == place;
 }
-/// The same where bodies were added or removed, so that rows have changed.
+/// Same as find_same, where bodies were added or removed, so that rows have changed.
 bool find_old(const PairSearch& search, const Pair& pair, OldContacts& old) {
   const ContactKey key = search.key(pair);
   while (old.next < old.end && key_of(search.old_rows[old.next]) < key) ++old.next;
@@ -186,9 +186,9 @@ bool are_far(const ShapeModel& shape_a, const ShapeModel& shape_b, const BodyRow
   return length_squared(circle_b.center - circle_a.center) > Real(1.01) * (touch_distance * touch_distance);
 }
 
-/// Whether a pair without a contact may have one now.
+/// Whether a pair without a contact may begin one.
 bool may_begin(const PairSearch& search, const Proxy& a, const Proxy& b) {
-  if (a.is_sensor || b.is_sensor) return false;  // the events stage has sensors
+  if (a.is_sensor || b.is_sensor) return false;  // the events stage handles sensors
   const BodyRow& body_a = search.state.bodies[a.body];
   const BodyRow& body_b = search.state.bodies[b.body];
   if (are_separated(search.model, body_a.id, body_b.id)) return false;
@@ -214,7 +214,7 @@ bool is_same(const PairSearch& search, const PairBlock& block, const Pair* pairs
           (block.pair_count == count && std::memcmp(block.pairs, pairs, count * sizeof(Pair)) == 0));
 }
 
-/// For an unchanged block: its contacts were consecutive.
+/// Finds the old contacts of an unchanged block, which were consecutive.
 void find_old_of_block(const PairSearch& search, const PairBlock& block, OldContacts& old, OldCandidates& out) {
   const std::uint64_t place = place_of(block.pairs[0]);
   while (old.next < old.end && place_of(search.old_pairs[old.next]) < place) ++old.next;
@@ -279,8 +279,8 @@ struct ContactBuffer {
 
 struct FoundContacts {
   std::size_t count;
-  std::size_t in_place;  // the rest is in the spill
-  bool any_new;          // some contact was not in the tick before
+  std::size_t in_place;  // the other contacts are in the spill
+  bool any_new;          // some contact did not exist in the tick before
   CacheCounts blocks{};
   std::uint64_t unchanged_count = 0;  // contacts with unchanged manifolds
 };
@@ -317,7 +317,7 @@ class ContactWriter {
 
   FoundContacts found{0, 0, false, {}, 0};
 
-  /// Begins a block: selects candidates, unless the block is unchanged. True if it is.
+  /// Begins a block: selects candidates, unless the block is unchanged. True if the block is unchanged.
   bool begin(const Pair* pairs, std::size_t count, PairBlock& block) {
     before_.touched = before_.unchanged = 0;
     const bool is_same_block = is_same(search_, block, pairs, count);
@@ -332,14 +332,14 @@ class ContactWriter {
     return is_same_block;
   }
 
-  /// Sets where the contacts of the block are written.
+  /// Sets the destination of the block's contacts.
   void enter(const ContactBuffer& buffer) {
     buffer_ = buffer;
     limit_ = std::min(buffer.limit, limit_in_place_);
   }
 
-  /// Updates the contacts of an unchanged block whose pairs are all boxes with the same features as before. In a
-  /// resting world most blocks are.
+  /// Updates the contacts of an unchanged block if all its candidates are boxes with the same features as before. In a
+  /// resting world most blocks are of this kind.
   bool renew(const BoxManifolds& boxes, PairBlock& block) {
     const std::size_t count = block.candidate_count;
     if (!is_in_place_ || !block.has_features || !before_.all_touched(block.candidate_count) ||
@@ -357,7 +357,7 @@ class ContactWriter {
     const Pair& pair = block.pairs[index];
     const bool touched = (before_.touched >> i & 1) != 0;
     const bool is_unchanged = (before_.unchanged >> i & 1) != 0;
-    // A new contact would overwrite a later old one.
+    // Whether a new contact would overwrite an old contact of a later pair.
     const bool is_taken =
         is_in_place_ && !touched && found.count < limit_ && old_.first + found.count == before_.next[i];
     Manifold& manifold = is_taken ? not_yet_ : pair_at(found.count).manifold;
@@ -407,7 +407,7 @@ class ContactWriter {
                                       search_.dt);
   }
 
-  /// Writes the contact of a pair, whose manifold is found unless the pair is unchanged.
+  /// Writes the contact of a pair. Requires: its manifold is found, unless the pair is unchanged.
   void write(const Pair& pair, bool is_unchanged, bool has_old, std::size_t old_index) {
     ContactPair& contact = pair_at(found.count);
     ContactRow& row = row_at(found.count);
@@ -444,8 +444,8 @@ class ContactWriter {
   Manifold not_yet_;
 };
 
-/// Finds the contacts of some pairs. buffer_for(n, m): where to write the first n of them, at most m of these to the
-/// spill.
+/// Finds the contacts of some pairs. buffer_for(n, m): the destination of the first n contacts, of which at most m go
+/// to the spill.
 template <typename BufferFor>
 FoundContacts find_contacts_of(const PairSearch& search, const PairRange& range, const OldContacts& old,
                                BufferFor buffer_for) {
@@ -474,8 +474,9 @@ std::size_t blocks_of(std::size_t pair_count) {
 constexpr std::size_t pairs_per_chunk_least = 48;
 constexpr std::size_t pairs_per_contact_dense = 2;
 
-/// In chunks: each writes where the contacts of its pairs were a tick ago, and what does not fit elsewhere. Where every
-/// chunk has found as many as there were, all are in their places; else they are copied there.
+/// Finds contacts in chunks. Each chunk writes to the places of its contacts of the tick before; further contacts go to
+/// the spill. If every chunk has filled exactly its places, the list is complete; otherwise all contacts are copied to
+/// their places.
 FoundContacts find_contacts_in_chunks(const PairSearch& search, NarrowPhaseWork& work, PairBlock* blocks,
                                       std::size_t chunk_size) {
   const std::size_t pair_count = search.tick.pairs.size();
@@ -483,11 +484,11 @@ FoundContacts find_contacts_in_chunks(const PairSearch& search, NarrowPhaseWork&
   work.parts.resize(chunk_count);
   work.contact_pairs_spilled.resize(pair_count);
   work.contacts_spilled.resize(pair_count);
-  // No larger than before: to clear rows that nothing will be in takes as long as to find the contacts of some.
+  // No larger than before: clearing unused rows takes as long as finding some contacts.
   const std::size_t old_count = search.is_in_place ? search.old_count : std::min(search.old_count, pair_count);
   work.contact_pairs.resize(old_count);
   work.contacts.resize(old_count);
-  // Before any of them is overwritten.
+  // Finds the first contacts of chunks before any contact is overwritten.
   for (std::size_t chunk = 0; chunk < chunk_count; ++chunk)
     work.parts[chunk].first = first_old_contact(search, search.tick.pairs[chunk * chunk_size]);
   std::atomic<bool> any_new{false};
@@ -538,7 +539,7 @@ FoundContacts find_contacts_in_chunks(const PairSearch& search, NarrowPhaseWork&
   return {total, total, any_new, block_counts, unchanged_count};
 }
 
-/// In one go, to where there was nothing.
+/// Finds all contacts in one range, into lists without old contacts.
 FoundContacts find_all_contacts(const PairSearch& search, NarrowPhaseWork& work, PairBlock* blocks) {
   work.contacts.resize(work.contact_pairs.size());
   return find_contacts_of(search, {0, search.tick.pairs.size(), blocks}, {0, 0, search.old_count},
@@ -552,7 +553,7 @@ FoundContacts find_all_contacts(const PairSearch& search, NarrowPhaseWork& work,
                           });
 }
 
-/// In one go, in place as far as there are none but those of the tick before.
+/// Finds all contacts in one range, in place up to the first contact that did not exist in the tick before.
 FoundContacts find_contacts_in_place(const PairSearch& search, NarrowPhaseWork& work, PairBlock* blocks) {
   const FoundContacts found = find_contacts_of(
       search, {0, search.tick.pairs.size(), blocks}, {0, 0, search.old_count}, [&](std::size_t, std::size_t spilled) {

@@ -31,7 +31,7 @@ struct Placement {
 };
 
 /// Contact points of two shapes, in A's frame: anchors from A's origin, `anchor_b` not filled in. The normal points
-/// from A to B. No points if they are farther apart than `margin`. Requires: the kinds the function's name says.
+/// from A to B. No points if the shapes are farther apart than `margin`. Requires: the kinds in the function's name.
 using CollideFunction = Manifold (*)(const Model& model, const ShapeModel& a, const ShapeModel& b,
                                      const Placement& b_in_a, Real margin);
 Manifold collide_circles(const Model& model, const ShapeModel& a, const ShapeModel& b, const Placement& b_in_a,
@@ -55,16 +55,16 @@ Manifold collide_chain_circle(const Model& model, const ShapeModel& a, const Sha
 Manifold collide_chain_hull(const Model& model, const ShapeModel& a, const ShapeModel& b, const Placement& b_in_a,
                             Real margin);
 
-/// The manifold of two shapes of two bodies, in world axes, anchors from each centre of mass. `gravity_displacement`:
-/// gravity_displacement_of_tick.
+/// The manifold of two shapes of two bodies, in world axes, with anchors from each centre of mass.
+/// `gravity_displacement`: gravity_displacement_of_tick.
 Manifold collide(const Model& model, const ShapeModel& a, const ShapeModel& b, const BodyRow& body_a,
                  const BodyRow& body_b, Real gravity_displacement);
 
-/// The normal of a chain edge.
+/// A normal of a chain edge.
 struct EdgeNormal {
   bool is_allowed;  // the normal is the edge's own, or one of a convex corner or free end
   bool in_front;    // the centre of the other shape is on the right side of the edge
-  Vec2 normal;      // the allowed one, or the edge's own
+  Vec2 normal;      // the allowed normal, or the edge's own
 };
 /// `normal` from the edge, `center` of the other shape, both in the frame of the edge's body.
 EdgeNormal edge_normal(const Model& model, const ShapeModel& edge, Vec2 normal, Vec2 center);

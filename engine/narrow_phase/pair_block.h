@@ -17,8 +17,8 @@ struct Candidate {
 };
 inline constexpr std::uint8_t no_place = 0xff;
 
-/// Consecutive pairs, the candidates among them, and the contacts found last. Pairs, candidates and boxes follow from
-/// the pairs alone while shapes and margins are the same. `found` is valid for the next generation only.
+/// Consecutive pairs, the candidates among them, and the contacts found last. While shapes and margins are the same,
+/// candidates and boxes follow from the pairs alone. `found` is valid for the next generation only.
 struct PairBlock {
   static constexpr std::size_t pair_count_max = 64;
 
@@ -27,7 +27,7 @@ struct PairBlock {
   std::uint32_t candidate_count = 0;
   std::uint32_t box_count = 0;   // pairs of quadrilaterals, for kernels
   std::uint32_t generation = 0;  // of `found`
-  std::uint64_t found = 0;       // [candidate] one bit each: it has a contact
+  std::uint64_t found = 0;       // [candidate] one bit each: the candidate has a contact
   bool has_features = false;     // all candidates are boxes with two points
   Pair pairs[pair_count_max];
   Candidate candidates[pair_count_max];

@@ -1,4 +1,4 @@
-// Which pairs of shapes can meet in a scene, and which shapes can meet none.
+// The pairs of shapes that can touch in a scene, and the shapes that can touch no other.
 // SPDX-License-Identifier: MIT
 #include "engine/narrow_phase/shape_pairs.h"
 
@@ -14,12 +14,12 @@ namespace {
 constexpr std::array<std::string_view, shape_family_count> family_names{"circle", "polygon", "round", "chain"};
 
 constexpr std::uint32_t several_bodies = 0xffffffff;
-constexpr std::size_t kind_count_max = 512;  // of one family: with more, all count as able to meet
+constexpr std::size_t kind_count_max = 512;  // of one family; with more, all count as able to touch
 
-/// Shapes that the broad phase treats alike.
+/// Shapes that the broad phase cannot tell apart.
 struct ProxyKind {
-  Proxy proxy{};                          // what may_touch reads of it
-  std::uint32_t source = several_bodies;  // of the only body with such shapes
+  Proxy proxy{};                          // the fields that may_touch reads
+  std::uint32_t source = several_bodies;  // the only body with shapes of this kind
 };
 using FamilyKinds = std::array<std::vector<ProxyKind>, shape_family_count>;
 

@@ -1,4 +1,4 @@
-// Conservative advancement up to the margin, and the manifold there.
+// Conservative advancement up to the margin, and the manifold at this time.
 // SPDX-License-Identifier: MIT
 // Source: Mirtich, "Impulse-based Dynamic Simulation of Rigid Body Systems", 1996, chapter 2 (no pair can close its gap
 // sooner than gap / greatest closing speed).

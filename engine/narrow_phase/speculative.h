@@ -6,9 +6,9 @@
 
 namespace ticktrue::engine::TICKTRUE_PRECISION {
 
-/// The manifold of two separated shapes that will be close within dt, as velocities predict. Normal and points are
-/// those of that moment, anchors and separations those of the start of the tick. No points if the shapes stay apart.
-/// `gravity_displacement`: gravity_displacement_of_tick.
+/// The manifold of two separated shapes that will be close within dt according to their velocities. Normal and points
+/// are those at that time; anchors and separations are those at the start of the tick. No points if the shapes stay
+/// apart. `gravity_displacement`: gravity_displacement_of_tick.
 Manifold speculative_manifold(const Model& model, const ShapeModel& a, const ShapeModel& b, const BodyRow& body_a,
                               const BodyRow& body_b, Real gravity_displacement, Real dt);
 
