@@ -1,4 +1,4 @@
-// Which stages a scene needs, and why.
+// Selection of the stages that a scene needs, with reasons.
 // SPDX-License-Identifier: MIT
 #include "engine/pipeline.h"
 
@@ -21,7 +21,7 @@ std::unique_ptr<Stage> make() {
   return std::make_unique<Kind>();
 }
 
-/// A stage that works in nothing of its own.
+/// A stage without a workspace.
 template <void (*act)(const Model& model, State& state, TickLists& tick, Real dt)>
 class PlainStage final : public Stage {
  public:
@@ -56,7 +56,8 @@ Pipeline compose(const Model& model, BroadPhaseKind broad_phase, bool full) {
   consider("inputs", plain<apply_inputs>, model.takes_inputs, "the scene declares inputs",
            "the scene declares no inputs");
   consider("cull", plain<cull>, model.has_bounds, "the scene has bounds", "the scene has no bounds");
-  // Contacts cannot be forced on a solver that does not read them: their rows would be other state, not more of it.
+  // Contacts cannot be added to a solver that does not read them: their rows would change the state instead of
+  // extending it.
   const bool contacts_possible = solver.solves_constraints && !finds_pairs_itself;
   if (finds_contacts || (full && contacts_possible)) {
     consider(
@@ -84,7 +85,7 @@ Pipeline compose(const Model& model, BroadPhaseKind broad_phase, bool full) {
   else
     pipeline.description.push_back(
         {"impacts", false, finds_contacts ? "the scene forgoes continuous collision" : std::string(no_pairs)});
-  // Islands own columns, so that nothing but the scene's wish brings them in.
+  // Islands own columns, so only the settings of the scene add them.
   if (model.finds_islands)
     consider("islands", make<IslandFinder>, true, "bodies may sleep, or get substeps of their own", "");
   else

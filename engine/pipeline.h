@@ -1,4 +1,4 @@
-// The pipeline: a list of stages, composed once from the scene and what it declares may come later.
+// The pipeline: a list of stages, composed once from the scene and the inputs that it declares.
 // SPDX-License-Identifier: MIT
 #pragma once
 
@@ -20,11 +20,11 @@ struct PipelineStage {
 
 struct Pipeline {
   std::vector<PipelineStage> stages;
-  std::vector<StageDescription> description;  // those left out too
+  std::vector<StageDescription> description;  // including stages that are left out
   StateTables tables;
 };
 
-/// `full`: every stage, whether the scene needs it or not. Changes no bit of the columns both pipelines have.
+/// `full`: every stage, needed or not. Changes no bit of the columns that both pipelines have.
 Pipeline compose(const Model& model, BroadPhaseKind broad_phase, bool full);
 
 }  // namespace ticktrue::engine::TICKTRUE_PRECISION
