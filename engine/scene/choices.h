@@ -1,5 +1,5 @@
-// The choices a scene makes by name, one enumeration and one table each. Parser, printer, command line, dispatch
-// and parametrised tests iterate these tables; there is no other list. Kinds of joints: joint_kinds.h.
+// The named choices of a scene, one enumeration and one table each. Parser, printer, command line, dispatch and
+// parametrised tests iterate these tables; there is no other list. Kinds of joints: joint_kinds.h.
 // SPDX-License-Identifier: MIT
 #pragma once
 
@@ -28,7 +28,7 @@ enum class IntegratorKind : std::uint8_t {
   thesis_rk4
 };
 enum class BroadPhaseKind : std::uint8_t { brute_force, bounding_circle, sweep_and_prune, uniform_grid, aabb_tree };
-/// How joints are solved. Not every solver has a choice.
+/// The method that solves joints. Some solvers allow only `iterative`.
 enum class JointSolverKind : std::uint8_t { iterative, direct };
 enum class SubstepLoads : std::uint8_t { weight, measured };
 enum class MixRule : std::uint8_t { geometric_mean, maximum, minimum, average };
@@ -84,7 +84,7 @@ struct IntegratorInfo : Choice<IntegratorKind> {
   int order;
   double stability_limit;     // largest w h at which an undamped oscillation does not grow; 0: it always grows
   bool carries_constraints;   // false: a scene with contacts or joints is refused
-  std::string_view why_free;  // why it carries none
+  std::string_view why_free;  // the reason, if it carries none
 };
 inline constexpr std::array<IntegratorInfo, 9> integrators{{
     {{IntegratorKind::semi_implicit_euler, "semi_implicit_euler", "symplectic, stable for w h < 2"}, 1, 2, true, ""},
@@ -137,13 +137,13 @@ inline constexpr std::array<Choice<BodyType>, 3> body_types{{
     {BodyType::dynamic_body, "dynamic", "moves and is pushed"},
 }};
 
-/// Fields of Shape that not every kind has.
+/// Fields of Shape that only some kinds have.
 enum class ShapeField : std::uint8_t { center, angle, half_size, vertices, radius, loop };
 
 struct ShapeKindInfo : Choice<ShapeKind> {
   std::array<FieldKey<ShapeField>, 5> keys;  // in the order of the printer
   bool has_area = true;                      // false: a line, which has no mass
-  bool is_plain = false;                     // known to solvers that read no contacts, without rounding
+  bool is_plain = false;                     // supported by solvers that read no contacts, if not rounded
 };
 inline constexpr FieldRange chain_length{2, limits::chain_vertex_count_max};
 inline constexpr std::array<ShapeKindInfo, 6> shape_kinds{{
@@ -172,7 +172,7 @@ inline constexpr std::array<ShapeKindInfo, 6> shape_kinds{{
      false},
 }};
 
-/// Fields of Force; all but name and kind.
+/// Fields of Force, except name and kind.
 enum class ForceField : std::uint8_t {
   body,
   other,
@@ -220,7 +220,7 @@ inline constexpr std::array<ForceKindInfo, 6> force_kinds{{
        {ForceField::angular_coefficient, "angular_coefficient"}}}},
 }};
 
-/// Fields of ClockSettings; all but kind.
+/// Fields of ClockSettings, except kind.
 enum class ClockField : std::uint8_t { ticks_per_frame_max, tolerance, dt_min, dt_max };
 
 struct ClockKindInfo : Choice<ClockKind> {
@@ -275,7 +275,7 @@ constexpr auto find_choice(const Table& table, std::string_view name) -> const t
   return nullptr;
 }
 
-/// "a, b or c": for error messages.
+/// "a, b or c", for error messages.
 template <typename Table>
 std::string choice_names(const Table& table) {
   std::string text;

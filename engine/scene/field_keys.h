@@ -1,4 +1,4 @@
-// What the rows of kinds with fields of their own are made of: a field, its JSON key and its range.
+// The fields of a kind in its row: a field, its JSON key and its range.
 // SPDX-License-Identifier: MIT
 #pragma once
 
@@ -14,12 +14,12 @@ struct FieldRange {
   double max = 0;
 };
 
-inline constexpr double angle_max_rad = 1e6;    // sin_cos is exact to its last digits up to here
+inline constexpr double angle_max_rad = 1e6;    // sin_cos is exact to its last digits up to this angle
 inline constexpr double coefficient_max = 1e9;  // friction, damping ratios, hertz, scales: more means "endless"
 inline constexpr double stiffness_max = 1e18;   // N/m, N s/m, N m/rad, N m s/rad
-inline constexpr double scene_force_max = limits::mass_max_kg * limits::speed_max;  // N, N m: as of inputs
+inline constexpr double scene_force_max = limits::mass_max_kg * limits::speed_max;  // N, N m: as for inputs
 
-/// Ranges that several fields have. All leave room in f32, whose numbers end at 1e-38 and 3e38.
+/// Ranges that several fields share. All fit into f32 with a margin: its numbers end at 1e-38 and 3e38.
 namespace ranges {
 inline constexpr FieldRange place{-limits::coordinate_max_m, limits::coordinate_max_m};
 inline constexpr FieldRange anchor{-limits::size_max_m, limits::size_max_m};
@@ -42,10 +42,10 @@ struct FieldKey {
   Field field{};
   std::string_view key;  // empty: ends the row
   bool required = false;
-  FieldRange range{};  // if not that of the field in every kind
+  FieldRange range{};  // if it differs from that of the field in every kind
 };
 
-/// The key of a field in a row of these tables; empty where the kind has no such field.
+/// The key of a field in a row of these tables; empty if the kind has no such field.
 template <typename Row, typename Field>
 constexpr std::string_view key_of(const Row& row, Field field) {
   for (const auto& entry : row.keys)
@@ -53,7 +53,7 @@ constexpr std::string_view key_of(const Row& row, Field field) {
   return {};
 }
 
-/// The range of a field in a row of these tables, `general` where the row states none.
+/// The range of a field in a row of these tables; `general` if the row has none.
 template <typename Row, typename Field>
 constexpr FieldRange range_of(const Row& row, Field field, FieldRange general) {
   for (const auto& entry : row.keys)

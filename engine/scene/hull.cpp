@@ -17,8 +17,9 @@
 namespace ticktrue::engine {
 namespace {
 
-// Fractions of the extent. Vertices closer than the first are one vertex; a corner that stands out less than the
-// second from the line between its neighbours would not survive rounding to f32 (2^-24 of the coordinates).
+// Fractions of the extent. Vertices closer than the first fraction are one vertex. The second fraction bounds the
+// distance of a corner from the line between its neighbours: smaller corners would not survive rounding to f32 (2^-24
+// of the coordinates).
 constexpr double duplicate_fraction = 1e-4;
 constexpr double corner_fraction = 1e-5;
 
@@ -68,7 +69,7 @@ std::vector<std::size_t> strict_hull(const std::vector<Point>& points) {
   for (const std::size_t index : order) add(index, 1);
   const std::size_t up_size = hull.size();
   for (std::size_t i = order.size() - 1; i-- > 0;) add(order[i], up_size);
-  hull.pop_back();  // the start again
+  hull.pop_back();  // the first vertex again
   return hull;
 }
 
@@ -91,7 +92,7 @@ struct Moments {
 
 Moments polygon_moments(const std::vector<Point>& hull) {
   Moments moments;
-  // Relative to a vertex, so that a polygon far from its body's origin loses no digits.
+  // Relative to a vertex, so that no digits cancel for a polygon far from its body's origin.
   const Point base = hull[0];
   double area_twice = 0;
   Point first;
@@ -119,9 +120,9 @@ Point unit_normal(const Point& a, const Point& b) {
   return {edge.y / size, -edge.x / size};
 }
 
-/// Of everything within `radius` of a hull of 2 (a capsule) or more vertices. With r the radius, a sector of angle t
-/// between normals n and m has area r^2 t / 2, first moment r^3 / 3 right_turn(m - n) and second moment r^4 t / 4 about
-/// its corner.
+/// The moments of all points within `radius` of a hull of 2 (a capsule) or more vertices. With r the radius, a sector
+/// of angle t between normals n and m has area r^2 t / 2. Its first moment is r^3 / 3 right_turn(m - n) and its second
+/// moment r^4 t / 4, both about its corner.
 Moments rounded_moments(const std::vector<Point>& hull, double radius) {
   struct Part {
     double area;
@@ -151,7 +152,7 @@ Moments rounded_moments(const std::vector<Point>& hull, double radius) {
     parts.push_back({r2 * angle / 2, {third * (m.y - n.y), -third * (m.x - n.x)}, r2 * r2 * angle / 4, b});
   }
   Moments total;
-  Point first;  // about hull[0]: a shape far from its body's origin loses no digits
+  Point first;  // about hull[0], so that no digits cancel far from the body's origin
   for (const Part& part : parts) {
     const Point offset = minus(part.at, hull[0]);
     total.area += part.area;
@@ -327,7 +328,7 @@ MassProperties body_mass(const Body& body) {
     first.x += part.mass * part.center.x;
     first.y += part.mass * part.center.y;
   }
-  // One shape's centre is taken as it is: a product and a quotient would round it.
+  // A single shape keeps its centre: a product and a quotient would round it.
   if (parts.size() == 1)
     total.center = parts[0].center;
   else if (total.mass > 0)

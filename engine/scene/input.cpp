@@ -16,7 +16,7 @@ struct ValueLimit {
   std::string_view name;
   double max;  // of the magnitude
 };
-// Every name in input_kinds. Impulses and forces: what moves the largest mass to the largest speed.
+// Every name in input_kinds. Impulses and forces: enough to give the largest mass the largest speed.
 constexpr std::array<ValueLimit, 17> value_limits{{
     {"x", limits::coordinate_max_m},
     {"y", limits::coordinate_max_m},

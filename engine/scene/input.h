@@ -1,4 +1,4 @@
-// Input events: what a person or a program does to a world, stamped (tick, player, sequence).
+// Input events: the actions of a person or a program on a world, stamped (tick, player, sequence).
 // SPDX-License-Identifier: MIT
 #pragma once
 
@@ -41,12 +41,12 @@ struct InputInfo {
   std::string_view name;
   std::string_view summary;
   ValueNames value_names{};    // JSON keys, in order
-  bool has_body = false;       // `body` counts
-  bool has_prototype = false;  // `prototype` counts
-  bool has_joint = false;      // `joint` counts
+  bool has_body = false;       // `body` is used
+  bool has_prototype = false;  // `prototype` is used
+  bool has_joint = false;      // `joint` is used
   bool is_of_pointer = false;  // declared if and only if the scene has a pointer
   bool may_make_body = false;
-  std::size_t value_count = stated_count(value_names);  // how many of `values` count
+  std::size_t value_count = stated_count(value_names);  // the number of `values` that are used
 };
 inline constexpr std::array<InputInfo, 12> input_kinds{{
     {.kind = InputKind::spawn,
@@ -103,9 +103,9 @@ inline constexpr std::array<InputInfo, 12> input_kinds{{
      .has_joint = true},
 }};
 
-/// One input event. Which fields count is said by its row in input_kinds; the others are zero.
+/// One input event. Its row in input_kinds tells which fields are used; the other fields are zero.
 struct Input {
-  std::uint64_t tick = 0;  // the tick it acts in, from 0
+  std::uint64_t tick = 0;  // the tick in which it acts, from 0
   std::uint8_t player = 0;
   std::uint32_t sequence = 0;  // within (tick, player); inputs apply in (player, sequence) order
   InputKind kind = InputKind::end;
@@ -121,11 +121,12 @@ struct Input {
 /// Requires: ascending (player, sequence).
 void encode_inputs(const std::vector<Input>& inputs, Bytes& out);
 
-/// Errors: invalid_input (unknown kind, order, non-finite or out-of-limit values, a prototype the scene has not, a kind
-/// it did not declare, too many, bytes left over). On success `out` holds the inputs, with tick 0.
+/// Errors: invalid_input (unknown kind, wrong order, non-finite or out-of-limit values, a prototype that the scene does
+/// not have, a kind that the scene did not declare, too many inputs, bytes left over). On success `out` holds the
+/// inputs, with tick 0.
 Status decode_inputs(const Scene& scene, ByteView bytes, std::vector<Input>& out);
 
-/// What decode_inputs checks of one input. `place` comes first in the message.
+/// Checks one input, as decode_inputs does. `place` comes first in the message.
 Status check_input(const Scene& scene, const Input& input, const std::string& place);
 
 }  // namespace ticktrue::engine

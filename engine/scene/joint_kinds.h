@@ -1,5 +1,5 @@
-// Kinds of joints: one row for each, with its name, its fields with their JSON keys, and what else a scene must know of
-// it. What the solvers know of a kind is a row of joint_rows.h.
+// Kinds of joints: one row for each, with its name, its fields with their JSON keys, and its traits for a scene. The
+// solvers' data of a kind is a row of joint_rows.h.
 // SPDX-License-Identifier: MIT
 #pragma once
 
@@ -14,7 +14,7 @@ namespace ticktrue::engine {
 
 enum class JointKind : std::uint8_t { revolute, prismatic, distance, weld, wheel, motor, friction, target, pulley };
 
-/// Fields of Joint; all but name and kind.
+/// Fields of Joint, except name and kind.
 enum class JointField : std::uint8_t {
   body_a,
   body_b,
@@ -43,11 +43,11 @@ enum class JointLimits : std::uint8_t { angle, way, distance };
 
 struct JointTraits {
   JointLimits limits = JointLimits::way;
-  bool has_one_anchor = true;       // the anchors start at one point of the world: the key `anchor` may state it
-  bool is_rod = false;              // without a spring its length is above 0
-  bool is_rigid = false;            // rigid rows hold it together, where no spring replaces them
-  bool is_driven = false;           // brings energy of its own, like a spring
-  bool conserves_momentum = true;   // what it does to A it does to B, reversed
+  bool has_one_anchor = true;       // the anchors start at one point of the world: the key `anchor` may give it
+  bool is_rod = false;              // without a spring, its length must be above 0
+  bool is_rigid = false;            // rigid rows hold it together, unless a spring replaces them
+  bool is_driven = false;           // adds energy, like a spring
+  bool conserves_momentum = true;   // its impulses on A and B are opposite
   bool offset_is_of_world = false;  // the field `offset` is a point of the world
 };
 
@@ -150,7 +150,7 @@ inline constexpr std::array<JointKindInfo, 9> joint_kinds{{
 }};
 static_assert(rows_are_in_order(joint_kinds));
 
-/// Requires: a kind of the table, as the functions below.
+/// Requires: a kind of the table; so do the functions below.
 constexpr const JointTraits& traits_of(JointKind kind) {
   return info_of(joint_kinds, kind).traits;
 }

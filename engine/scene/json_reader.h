@@ -16,11 +16,11 @@
 
 namespace ticktrue::engine {
 
-/// The path of a value, on the stack; printed only for an error.
+/// The path of a value, on the stack. It is printed only for an error.
 struct JsonPath {
   const JsonPath* parent = nullptr;
   std::string_view key;   // of an object
-  std::size_t index = 0;  // of an array, where key is empty
+  std::size_t index = 0;  // of an array, if key is empty
 
   std::string text() const {
     std::string prefix = parent != nullptr ? parent->text() : "";
@@ -32,7 +32,7 @@ struct JsonPath {
 /// "a, b or c".
 std::string listed(const std::vector<std::string_view>& words);
 
-/// Keeps the first error; every read returns whether it went well.
+/// Stores the first error. Every read returns whether it succeeded.
 class JsonReader {
  public:
   JsonReader(std::string place, ErrorCode code) : place_(std::move(place)), code_(code) {}
@@ -66,7 +66,7 @@ class JsonReader {
     out = static_cast<Whole>(static_cast<std::int64_t>(value.number));
     return true;
   }
-  /// [x, y] of any pair of doubles.
+  /// [x, y] for any pair of doubles.
   bool pair(const JsonValue& value, const JsonPath& path, const char* form, double& first, double& second);
   template <typename Table, typename Kind>
   bool choice(const JsonValue& value, const JsonPath& path, const Table& table, Kind& out) {
@@ -81,7 +81,7 @@ class JsonReader {
     return fail(path, "unknown: found " + found_text(value) + ", expected " + listed(known),
                 value.type == JsonValue::Type::text ? suggestion(value.text, known) : "");
   }
-  /// The kind that an object's `key` names: it decides which other keys there are.
+  /// Reads the kind that an object's `key` names. The kind determines the other keys of the object.
   template <typename Table, typename Kind>
   bool kind_of(const JsonValue& value, const JsonPath& path, std::string_view key, const Table& table, Kind& out) {
     if (value.type != JsonValue::Type::object) return wrong_type(path, value, "an object");
@@ -99,7 +99,7 @@ class JsonReader {
     return true;
   }
 
-  /// A field that is read straight into a number.
+  /// A field that is read directly into a number.
   Field number(std::string_view key, double& out) {
     return {key, [this, &out](const JsonValue& v, const JsonPath& p) { return read(v, p, out); }};
   }

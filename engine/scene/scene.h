@@ -1,4 +1,4 @@
-// Scene: the plain description of a world, in f64 and SI units, as people write it.
+// Scene: the plain description of a world, in f64 and SI units, in the form that people write.
 // SPDX-License-Identifier: MIT
 //
 // The same type is read from JSON (scene_json.h), built from parameters (builtin_scenes.h) and embedded in traces in
@@ -28,13 +28,13 @@ struct Point {
 struct Material {
   double friction = 0.6;          // Coulomb coefficient, >= 0
   double restitution = 0.0;       // 0..1
-  double tangent_speed = 0;       // m/s: a conveyor; what touches the surface is driven along it, counter-clockwise
+  double tangent_speed = 0;       // m/s: a conveyor: drives touching bodies along the surface, counter-clockwise
   double rolling_resistance = 0;  // >= 0; torque at most this times radius times normal force
   bool operator==(const Material&) const = default;
 };
 
-/// Which shapes meet: same non-zero group: positive always, negative never; else each one's category is in the other's
-/// mask.
+/// The rule for pairs of shapes. Shapes of the same non-zero group: a positive group always touches, a negative never.
+/// Otherwise the category of each shape must be in the other's mask.
 struct Filter {
   std::uint32_t category = 1;
   std::uint32_t mask = 0xffffffff;
@@ -51,14 +51,14 @@ struct Shape {
   std::vector<Point> vertices;  // in the body's frame, m. polygon: any order, 3..16, strictly convex as a set;
                                 // capsule: its two centres; segment: its two ends; chain: 2.. points in order
   bool loop = false;            // chain: the last point joins the first
-  double density = 1;           // kg/m^2; of no effect where the body states its mass
+  double density = 1;           // kg/m^2; not used if the body states its mass
   Material material;
   Filter filter;
-  bool sensor = false;  // sees what overlaps it, touches nothing
+  bool sensor = false;  // detects overlaps, touches nothing
   bool operator==(const Shape&) const = default;
 };
 
-/// Replaces what the shapes' densities would give.
+/// Replaces the result of the shapes' densities.
 struct ExplicitMass {
   double mass = 1;                // kg, > 0
   std::optional<double> inertia;  // kg m^2 about the centre of mass, > 0; absent: that of the shapes, scaled to `mass`
@@ -77,8 +77,8 @@ struct Body {
   double angular_damping = 0;   // 1/s
   double gravity_scale = 1;
   bool fixed_rotation = false;
-  bool bullet = false;    // never passes other moving bodies, however fast (walls stop every body)
-  bool can_sleep = true;  // where the scene lets bodies sleep
+  bool bullet = false;    // never passes other moving bodies at any speed (walls stop every body)
+  bool can_sleep = true;  // if the scene lets bodies sleep
   std::optional<ExplicitMass> mass;
   std::vector<Shape> shapes;  // at least one
   bool operator==(const Body&) const = default;
@@ -90,10 +90,11 @@ struct Range {
   bool operator==(const Range&) const = default;
 };
 
-/// Stiffness of a joint. Either hertz and damping ratio, with the joint's own effective mass, or stiffness and damping.
+/// Stiffness of a joint: either hertz and damping ratio, relative to the joint's effective mass, or stiffness and
+/// damping.
 struct JointSpring {
-  bool absolute = false;     // true: stiffness and damping count; false: hertz and damping_ratio
-  double hertz = 0;          // >= 0; 0: only damps
+  bool absolute = false;     // true: stiffness and damping are used; false: hertz and damping_ratio
+  double hertz = 0;          // >= 0; 0: damping alone
   double damping_ratio = 0;  // >= 0
   double stiffness = 0;      // N/m or N m/rad, >= 0
   double damping = 0;        // N s/m or N m s/rad, >= 0
@@ -106,8 +107,8 @@ struct JointMotor {
   bool operator==(const JointMotor&) const = default;
 };
 
-/// A joint of two bodies of the scene. Which fields count is said beside them; the others keep their defaults.
-/// A joint vanishes with the first of its bodies that is removed.
+/// A joint of two bodies of the scene. Comments list the kinds that use a field; other kinds keep its default. A joint
+/// is removed when one of its bodies is removed.
 struct Joint {
   std::string name;  // may be empty; unique otherwise
   JointKind kind = JointKind::revolute;
@@ -127,8 +128,8 @@ struct Joint {
   double force_max = 0;                      // N; motor, friction, target
   double torque_max = 0;                     // N m; motor, friction
   bool collide_connected = false;            // whether the two bodies touch each other
-  Point ground_anchor_a;                     // pulley: of the world, m; the rope of A ends there
-  Point ground_anchor_b;                     // pulley: likewise of B
+  Point ground_anchor_a;                     // pulley: point of the world, m; one end of A's rope
+  Point ground_anchor_b;                     // pulley: likewise for B
   double ratio = 1;                          // pulley: r > 0 in l_a + r l_b
   bool operator==(const Joint&) const = default;
 };
@@ -141,7 +142,7 @@ void for_each_world_point(Joint& joint, Visit visit) {
   if (has_field(joint.kind, JointField::ground_anchor_b)) visit(joint.ground_anchor_b);
 }
 
-/// A force element, evaluated by the integrator at each of its stages. Which fields count is said beside them.
+/// A force element, evaluated by the integrator at each of its stages. Comments list the kinds that use a field.
 struct Force {
   std::string name;  // may be empty; unique otherwise
   ForceKind kind = ForceKind::constant;
@@ -160,23 +161,23 @@ struct Force {
   bool operator==(const Force&) const = default;
 };
 
-/// How host frames become ticks. Acts where a session is recorded; the trace holds the ticks' dt.
+/// The conversion of host frames to ticks. The clock acts while a session is recorded; the trace stores the ticks' dt.
 struct ClockSettings {
   ClockKind kind = ClockKind::fixed;
   int ticks_per_frame_max = 5;  // semi_fixed
   double tolerance = 1e-4;      // adaptive: m (and rad) per tick
   double dt_min = 1e-6;         // s; adaptive
-  double dt_max = 0.1;          // s; adaptive, variable: longer frames are cut to it, and that is reported
+  double dt_max = 0.1;          // s; adaptive, variable: longer frames are cut to this length, and a report says so
   bool operator==(const ClockSettings&) const = default;
 };
 
 struct SleepSettings {
-  double after_s = 0.5;     // calm for so long
-  double speed_max = 0.05;  // m/s, bound of any point of an idle body
+  double after_s = 0.5;     // idle time before sleep
+  double speed_max = 0.05;  // m/s, upper bound for all points of an idle body
   bool operator==(const SleepSettings&) const = default;
 };
 
-/// Substeps chosen per island so that the expected error stays below the target.
+/// Substeps are chosen per island, so that the expected error stays below the target.
 struct AutoSubsteps {
   double target_error = 0.005;  // relative to the size of the smallest shape of the island
   int substeps_max = 256;       // 1..256; a power of two
@@ -195,15 +196,15 @@ struct PointerSettings {
   double hertz = 5;                 // of the mouse joint
   double damping_ratio = 0.7;
   double force_max_per_kg = 1000;  // N per kg of the pulled body
-  std::optional<Bounds> window;    // what the pointer's screen shows (imports, pictures); absent: the scene's bounds
+  std::optional<Bounds> window;    // the view of the pointer's screen (imports, pictures); absent: the scene's bounds
   bool operator==(const PointerSettings&) const = default;
 };
 
 struct Settings {
   Precision precision = Precision::f32;
   double dt = 1.0 / 60.0;                     // s
-  int substeps = 4;                           // 1..256; 1 where the solver does not substep
-  std::optional<AutoSubsteps> auto_substeps;  // present: `substeps` is the least that an island gets
+  int substeps = 4;                           // 1..256; 1 if the solver does not substep
+  std::optional<AutoSubsteps> auto_substeps;  // present: `substeps` is the least number of an island
   int iterations = 10;                        // 1..1000; of solvers that iterate
   SolverKind solver = SolverKind::tgs_soft;
   IntegratorKind integrator = IntegratorKind::semi_implicit_euler;
@@ -217,7 +218,7 @@ struct Settings {
   bool events = false;                 // begin and end of contacts are part of the state
   ClockSettings clock;
   JointSolverKind joints = JointSolverKind::iterative;
-  SubstepLoads substep_loads = SubstepLoads::weight;  // that automatic substeps follow from
+  SubstepLoads substep_loads = SubstepLoads::weight;  // the loads that determine automatic substeps
   bool operator==(const Settings&) const = default;
 };
 
@@ -228,21 +229,22 @@ struct Scene {
   std::vector<Body> bodies;  // ids 0, 1, 2, ... in this order
   std::vector<Joint> joints;
   std::vector<Force> forces;
-  std::vector<Body> prototypes;   // named bodies that inputs may spawn; position, angle, velocity are the input's
-  std::vector<InputKind> inputs;  // kinds that may come, ascending; an input of another kind is refused
-  std::optional<PointerSettings> pointer;    // present if press, drag and release may come
+  std::vector<Body> prototypes;   // named bodies that inputs may spawn; the input gives position, angle, velocity
+  std::vector<InputKind> inputs;  // kinds that may occur, ascending; an input of another kind is refused
+  std::optional<PointerSettings> pointer;    // present if press, drag and release may occur
   std::optional<Bounds> bounds;              // a body whose centre of mass leaves them is removed
-  std::optional<std::uint32_t> spawned_max;  // more spawned bodies than this: the oldest goes
+  std::optional<std::uint32_t> spawned_max;  // with more spawned bodies, the oldest one is removed
   bool operator==(const Scene&) const = default;
 };
 
-/// Whether two shapes can ever meet: there is, or inputs may spawn, a dynamic body and another one that it may touch.
-/// Decides what the pipeline needs and what check_scene refuses, so that both mean the same.
+/// Whether two shapes can ever touch: a dynamic body and another body that it may touch exist, or inputs may spawn
+/// them. Both the pipeline and check_scene use this function, so that they agree.
 bool can_collide(const Scene& scene);
 
-/// Every rule that a scene must keep, whoever made it: ranges, names, hulls, masses, limits, declared inputs.
-/// `source` is the place an error names first (a file name). Messages carry the JSON path.
-/// Errors: invalid_scene, limit, incompatible (choices that do not go together; the message names what would work).
+/// Checks every rule for scenes, whatever their origin: ranges, names, hulls, masses, limits, declared inputs. `source`
+/// is the first place in an error (a file name). Messages carry the JSON path.
+/// Errors: invalid_scene, limit, incompatible (choices that do not go together; the message names choices that would
+/// work).
 Status check_scene(const Scene& scene, const std::string& source);
 
 }  // namespace ticktrue::engine

@@ -1,4 +1,4 @@
-// Scenes in binary: one writer and one reader, side by side.
+// Scenes in binary: one writer and one reader, next to each other.
 // SPDX-License-Identifier: MIT
 #include "engine/scene/scene_binary.h"
 
@@ -13,12 +13,12 @@
 namespace ticktrue::engine {
 namespace {
 
-// Versions of this encoding alone. docs/engine_setup.md says what each byte means. A scene is written in the first
-// version that can tell it, so that its bytes stay those of older programs.
+// Versions of this encoding alone. docs/engine_setup.md defines each byte. A scene is written in the first version that
+// can represent it, so that its bytes equal those of older programs.
 constexpr std::uint16_t first_version = 2;
 constexpr std::uint16_t last_version = 4;
 
-/// The first version that has all fields of the settings that differ from their defaults.
+/// The first version with all fields of the settings that differ from their defaults.
 std::uint16_t version_of(const Scene& scene) {
   std::uint16_t version = first_version;
   const Settings unset;
@@ -30,7 +30,7 @@ std::uint16_t version_of(const Scene& scene) {
   return version;
 }
 
-// Whether a field that only some kinds have is stored. Joints of every kind store those up to `collide_connected`.
+// Whether a field that only some kinds have is stored. Joints of every kind store all fields up to `collide_connected`.
 bool is_stored(const Joint& joint, JointField field) {
   return field <= JointField::collide_connected || has_field(joint.kind, field);
 }
@@ -47,7 +47,7 @@ bool is_stored(const ClockSettings&, ClockField) {
   return true;
 }
 
-/// Of a struct whose kinds have no rows.
+/// The row of a struct whose kinds have no rows.
 struct NoRow {
   std::array<FieldKey<bool>, 0> keys;
 };
@@ -106,7 +106,7 @@ class SceneWriter {
     out_.u32(static_cast<std::uint32_t>(values.size()));
     for (const Value& value : values) write(value);
   }
-  /// Of a kind, or of a struct of fields.
+  /// Writes a kind, or a struct of fields.
   template <typename Value>
   void write(const Value& value) {
     if constexpr (std::is_enum_v<Value>)
@@ -151,7 +151,7 @@ std::size_t size_min() {
   return size;
 }
 
-/// Reads what SceneWriter writes. Stores the first error; after it, reads give zeros and lists end.
+/// Reads the output of SceneWriter. Stores the first error; later reads give zeros, and lists end.
 class SceneReader {
  public:
   explicit SceneReader(ByteView bytes) : in_(bytes) {}
@@ -233,7 +233,7 @@ class SceneReader {
     read(is_there);
     if (is_there) read(value.emplace());
   }
-  /// Of a kind, or of a struct of fields.
+  /// Reads a kind, or a struct of fields.
   template <typename Value>
   void read(Value& value) {
     if constexpr (std::is_enum_v<Value>)
@@ -241,7 +241,7 @@ class SceneReader {
     else
       read_fields(value);
   }
-  /// Zero, and a failed reader, where so many cannot be.
+  /// Reads a count. A count that cannot fit gives zero and a failed reader.
   std::size_t count(std::size_t max, std::size_t size_min) {
     const std::uint32_t value = in_.u32();
     if (value > max && limit_message_.empty() && in_.ok())

@@ -11,7 +11,7 @@ namespace ticktrue::engine {
 /// docs/trace_format.md, "Setup of ticktrue.engine". Equal scenes give equal bytes on every platform.
 Bytes encode_scene(const Scene& scene);
 
-/// Bounded before it allocates; calls check_scene.
+/// Bounds every size before it allocates. Calls check_scene.
 /// Errors: corrupt, invalid_scene, limit.
 Result<Scene> decode_scene(ByteView bytes);
 

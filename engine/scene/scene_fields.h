@@ -1,8 +1,9 @@
-// The fields of a scene, one line each: JSON, binary form and rules follow from the lines and the types of the fields.
+// The fields of a scene, one line each. JSON, binary form and rules follow from these lines and the types of the
+// fields.
 // SPDX-License-Identifier: MIT
 //
 // The order is that of the binary form and of JSON. A struct with a kind has two lists: fields of every kind, and own
-// fields, which only some kinds have. The rows of the kinds (choices.h, joint_kinds.h) say which ones, with their keys.
+// fields, which only some kinds have. The rows of the kinds (choices.h, joint_kinds.h) list their own fields and keys.
 #pragma once
 
 #include <functional>
@@ -13,27 +14,27 @@
 
 namespace ticktrue::engine {
 
-/// What is known of a field besides its type.
+/// The properties of a field besides its type.
 struct FieldInfo {
-  std::string_view name;  // JSON key; empty: JSON has none
+  std::string_view name;  // JSON key; empty: not in JSON
   FieldRange range{};
   const char* hint = "";    // if the value is out of range
   bool required = false;    // in JSON
-  std::uint16_t since = 0;  // version of the binary form; versions before it, and their JSON, mean the default
+  std::uint16_t since = 0;  // version of the binary form; older versions, and their JSON, mean the default
   static constexpr bool is_body = false;
 };
 
-/// The same of a field that only some kinds have.
+/// The properties of a field that only some kinds have.
 template <typename Field>
 struct OwnField {
   Field own;
   std::string_view name;
-  FieldRange range{};    // where the row of the kind has no other one
+  FieldRange range{};    // if the row of the kind has no other one
   bool is_body = false;  // an index in Scene::bodies; in JSON also a name
   static constexpr const char* hint = "";
 };
 
-/// The lists: `visit` takes a FieldInfo or OwnField, and a member, from which std::invoke makes a reference.
+/// The lists. `visit` takes a FieldInfo or OwnField, and a member, which std::invoke turns into a reference.
 template <typename Struct>
 struct Fields;
 
@@ -105,7 +106,7 @@ struct Fields<Body> {
     visit(FieldInfo{"fixed_rotation"}, &Body::fixed_rotation);
     visit(FieldInfo{"bullet"}, &Body::bullet);
     visit(FieldInfo{"can_sleep"}, &Body::can_sleep);
-    visit(FieldInfo{"mass"}, &Body::mass);  // in JSON its fields are the body's
+    visit(FieldInfo{"mass"}, &Body::mass);  // in JSON its fields are fields of the body
     visit(FieldInfo{"shapes", {1, limits::shape_count_per_body_max}}, &Body::shapes);
   }
 };
@@ -118,7 +119,7 @@ struct Fields<JointMotor> {
   }
 };
 
-/// `own` is the value of `absolute` with which a field counts.
+/// `own`: the value of `absolute` for which a field is used.
 template <>
 struct Fields<JointSpring> {
   using Own = OwnField<bool>;
@@ -257,7 +258,7 @@ struct Fields<Scene> {
   }
 };
 
-/// Calls visit(info, field...) for each field that every kind has, with that field of each object.
+/// Calls visit(info, field...) for each field that every kind has, with this field of each object.
 template <typename Visit, typename Struct, typename... Others>
 void visit_fields(Visit visit, Struct& object, Others&... others) {
   Fields<std::remove_const_t<Struct>>::list([&](const FieldInfo& info, auto member) {
@@ -265,14 +266,14 @@ void visit_fields(Visit visit, Struct& object, Others&... others) {
   });
 }
 
-/// The same for each field that only some kinds have.
+/// Calls visit(info, field...) for each field that only some kinds have.
 template <typename Visit, typename Struct, typename... Others>
 void visit_own_fields(Visit visit, Struct& object, Others&... others) {
   Fields<std::remove_const_t<Struct>>::own(
       [&](const auto& info, auto member) { visit(info, std::invoke(member, object), std::invoke(member, others)...); });
 }
 
-/// Whether two values of a field are equal; numbers to the bit, so that -0 is not 0.
+/// Whether two values of a field are equal. Numbers are compared by their bits, so that -0 differs from 0.
 inline bool same_bits(double a, double b) {
   return bits_of(a) == bits_of(b);
 }

@@ -17,7 +17,7 @@
 namespace ticktrue::engine {
 namespace {
 
-/// Of the world, in the frame of a body in its initial pose.
+/// Converts a point of the world to the frame of a body in its initial pose.
 Point in_frame_of(const Body& body, const Point& point) {
   const SinCos rotation = pose_sin_cos(body.angle);
   const double x = point.x - body.position.x;
@@ -25,8 +25,8 @@ Point in_frame_of(const Body& body, const Point& point) {
   return {rotation.cos * x + rotation.sin * y, rotation.cos * y - rotation.sin * x};
 }
 
-/// Reads a scene. Elements of its lists come first, one by one, in the order of the text; then the rest; then what
-/// refers to bodies by name or is given in world coordinates is resolved.
+/// Reads a scene. The elements of its lists are read first, one at a time, in the order of the text, and then the rest.
+/// Last, names of bodies and points in world coordinates are resolved.
 class SceneReader : public JsonReader {
  public:
   SceneReader(const std::string& source, Scene& scene) : JsonReader(source, ErrorCode::invalid_scene), scene_(scene) {}
@@ -46,7 +46,7 @@ class SceneReader : public JsonReader {
     return read(value, path, scene_.forces.emplace_back());
   }
 
-  /// All but the elements of the lists.
+  /// Reads all but the elements of the lists.
   bool rest(const JsonValue& value) { return read(value, JsonPath{}, scene_) && resolve(); }
 
  private:
@@ -57,7 +57,7 @@ class SceneReader : public JsonReader {
 
   // ---- Fields ----
 
-  /// A field whose reading follows from its type.
+  /// A field whose type determines its reader.
   template <typename Info, typename Value>
   Field field(std::string_view key, const Info& info, Value& out, bool required) {
     if constexpr (is_index<Value>)
@@ -100,7 +100,7 @@ class SceneReader : public JsonReader {
       if (field.key == key) return &field;
     return nullptr;
   }
-  /// Sets `has` where the field is present. Does nothing without a field.
+  /// Sets `has` if the field is present. Does nothing without a field.
   static void note(Field* field, bool& has) {
     if (field == nullptr) return;
     field->read = [&has, read = std::move(field->read)](const JsonValue& v, const JsonPath& p) {
@@ -161,7 +161,7 @@ class SceneReader : public JsonReader {
 
   /// A reference by name, resolved when all bodies are known.
   struct NamedBody {
-    bool of_joint = false;  // else of a force
+    bool of_joint = false;  // false: of a force
     std::size_t index = 0;  // of the joint or force
     std::string_view key;
     std::string name;
@@ -172,7 +172,7 @@ class SceneReader : public JsonReader {
     Point point;
   };
 
-  /// An index or a name.
+  /// A body given by index or name.
   template <typename Index>
   Field body_field(std::string_view key, Index& out, bool required) {
     const auto read_body = [this, key, &out](const JsonValue& v, const JsonPath& p) {
@@ -265,7 +265,7 @@ class SceneReader : public JsonReader {
     for (const WorldAnchor& anchor : anchors_) {
       Joint& joint = scene_.joints[anchor.joint];
       const std::size_t count = scene_.bodies.size();
-      if (joint.body_a >= count || joint.body_b >= count) continue;  // refused by check_scene
+      if (joint.body_a >= count || joint.body_b >= count) continue;  // check_scene refuses the scene
       if (has_body_a(joint.kind)) joint.anchor_a = in_frame_of(scene_.bodies[joint.body_a], anchor.point);
       joint.anchor_b = in_frame_of(scene_.bodies[joint.body_b], anchor.point);
     }
@@ -338,7 +338,7 @@ class SceneReader : public JsonReader {
     return true;
   }
 
-  // Their elements were read before.
+  // The elements of these lists have been read before.
   bool read(const JsonValue& value, const JsonPath& path, std::vector<Body>&) { return is_array(value, path); }
   bool read(const JsonValue& value, const JsonPath& path, std::vector<Joint>&) { return is_array(value, path); }
   bool read(const JsonValue& value, const JsonPath& path, std::vector<Force>&) { return is_array(value, path); }
@@ -347,7 +347,7 @@ class SceneReader : public JsonReader {
   }
 
   bool read(const JsonValue& value, const JsonPath& path, Scene& out) {
-    std::string schema;  // for editors; says nothing about the world
+    std::string schema;  // for editors; it does not affect the world
     std::vector<Field> fields{field("$schema", FieldInfo{}, schema, false)};
     add_fields(fields, out);
     std::swap(*find(fields, "settings"), *find(fields, "gravity"));

@@ -108,7 +108,7 @@ class Printer {
   void add(std::string_view, const std::optional<ExplicitMass>& mass) {
     if (mass) add_fields(*mass);
   }
-  void add(std::string_view, const std::optional<AutoSubsteps>&) {}  // `substeps` says it
+  void add(std::string_view, const std::optional<AutoSubsteps>&) {}  // `substeps` prints it
   void add(std::string_view name, const std::optional<SleepSettings>& sleep) {
     key(name);
     sleep ? put(*sleep) : put(false);
@@ -117,7 +117,7 @@ class Printer {
   void add_fields(const Struct& object) {
     visit_fields([&](const FieldInfo& field, const auto& value) { add(field.name, value); }, object);
   }
-  /// Without the fields that have the bits of the default. A -0 is printed.
+  /// Leaves out fields that have the bits of the default. A -0 is printed.
   template <typename Struct>
   void add_stated_fields(const Struct& object) {
     const Struct unset;
@@ -127,7 +127,7 @@ class Printer {
         },
         object, unset);
   }
-  /// The fields of a row, in its order. `all`: also those that have the default.
+  /// The fields of a row, in its order. `all`: fields with the default value, too.
   template <typename Struct, typename Row>
   void add_own_fields(const Struct& object, const Row& row, bool all = false) {
     const Struct unset;
@@ -158,7 +158,7 @@ class Printer {
     if (body) add_body(name, *body);
   }
   template <typename Value>
-  void add_body(std::string_view, const Value&) {}  // never called: no index
+  void add_body(std::string_view, const Value&) {}  // never called: the value is no index
 
   // ---- Values ----
 

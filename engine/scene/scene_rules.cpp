@@ -1,4 +1,4 @@
-// The rules of a scene as a whole: counts, settings, inputs, bounds; and what all rules are made of.
+// The rules of a scene as a whole: counts, settings, inputs, bounds; and the parts of all rules.
 // SPDX-License-Identifier: MIT
 #include "engine/scene/scene_rules.h"
 
@@ -13,7 +13,7 @@ bool is_finite(double value) {
   return value - value == 0;
 }
 
-/// Valid UTF-8 without control characters: what can be printed and stored in JSON as it is.
+/// Valid UTF-8 without control characters, which can be printed and stored in JSON unchanged.
 bool is_printable(std::string_view text) {
   std::size_t i = 0;
   while (i < text.size()) {

@@ -1,4 +1,4 @@
-// The rules of a scene: what check_scene walks.
+// The rules of a scene, for check_scene.
 // SPDX-License-Identifier: MIT
 #pragma once
 
@@ -18,22 +18,22 @@ namespace ticktrue::engine {
 
 bool declares(const Scene& scene, InputKind kind);
 
-/// Whether the number `kind`, which may come from outside, is one of the table's.
+/// Whether the number `kind`, which may come from outside, is a row of the table.
 template <typename Table, typename Kind>
 bool is_row(const Table& table, Kind kind) {
   return static_cast<std::size_t>(kind) < table.size();
 }
 
-/// Walks a scene and keeps the first rule broken. Places are put together only then: scenes have many bodies.
+/// Walks a scene and stores the first broken rule. Texts of places are made only then, since scenes have many bodies.
 class SceneRules {
  public:
-  /// Requires: both outlive it.
+  /// Requires: the arguments outlive this object.
   SceneRules(const Scene& scene, const std::string& source) : scene_(scene), source_(source) {}
 
   Status run();
 
  private:
-  // ---- What the rules are made of (scene_rules.cpp): false once one is broken ----
+  // ---- Parts of rules (scene_rules.cpp): false once a rule is broken ----
 
   std::string place(const std::string& key) const;
   bool fail(ErrorCode code, const std::string& key, const std::string& what, std::string hint = {});
@@ -51,12 +51,12 @@ class SceneRules {
                                         ", expected " + choice_names(table));
   }
   using Names = std::map<std::string_view, std::size_t>;
-  /// Among those of the list before it.
+  /// Whether the text differs from the earlier names of its list.
   bool unique(const std::string& text, Names& names);
 
   // ---- Fields by their types ----
 
-  /// Types that check_value accepts as they are: flags, and structs that other functions check.
+  /// Types that check_value accepts without a check: flags, and structs that other functions check.
   template <typename Value>
   static constexpr bool is_checked_apart =
       std::is_same_v<Value, bool> || std::is_same_v<Value, Settings> || std::is_same_v<Value, AutoSubsteps> ||
@@ -96,7 +96,7 @@ class SceneRules {
                  object);
     return good;
   }
-  /// The same for an object that is the value of `key`.
+  /// Checks the fields of an object that is the value of `key`.
   template <typename Struct>
   bool check_fields(const Struct& object, std::string_view key) {
     const std::size_t size = prefix_.size();
@@ -112,9 +112,9 @@ class SceneRules {
   }
   template <typename Value>
   static bool is_same(const Shape&, const Value& a, const Value& b) {
-    return a == b;  // neither form stores a field that the kind does not have
+    return a == b;  // neither form stores fields that the kind does not have
   }
-  /// Refuses a field that the row does not have and that is set. Calls `check(field, key, value, range)` for each field
+  /// Refuses a field that is set and that the row does not have. Calls `check(field, key, value, range)` for each field
   /// of the row. Messages put `before` and `after` around the name of the kind.
   template <typename Struct, typename Row, typename Check>
   bool check_own_fields(const Struct& object, const Row& row, const char* before, const char* after, Check check) {
@@ -135,7 +135,7 @@ class SceneRules {
     return good;
   }
 
-  // ---- The scene as a whole, and what comes from outside (scene_rules.cpp) ----
+  // ---- The scene as a whole, and its inputs (scene_rules.cpp) ----
 
   bool check_counts();
   bool check_settings();
@@ -151,7 +151,7 @@ class SceneRules {
   bool check_mass(const Body& body);
   bool check_resulting_mass(const Body& body);
   bool check_shape(const Shape& shape);
-  /// Of capsules, segments and chains.
+  /// Checks the points of capsules, segments and chains.
   bool check_points(const Shape& shape);
   bool check_polygon(const Shape& shape);
 
@@ -172,7 +172,7 @@ class SceneRules {
   // ---- Choices that do not go together (scene_rules_choices.cpp) ----
 
   bool check_choices();
-  /// What only solvers that read the narrow phase's contacts can do.
+  /// Refuses features that need a solver that reads the narrow phase's contacts.
   bool check_contact_needs(const SolverInfo& solver);
 
   static constexpr std::size_t no_shape = static_cast<std::size_t>(-1);

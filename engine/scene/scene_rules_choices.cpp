@@ -1,18 +1,18 @@
-// What follows from a scene for the pipeline, and which choices do not go together.
+// The needs of a scene for the pipeline, and choices that do not go together.
 // SPDX-License-Identifier: MIT
 #include "engine/scene/scene_rules.h"
 
 namespace ticktrue::engine {
 namespace {
 
-/// Whether the filter of some shape lets it meet anything: an empty mask does not.
+/// Whether the filter of some shape lets it touch anything. With an empty mask it cannot.
 bool touches_something(const Body& body) {
   for (const Shape& shape : body.shapes)
     if (shape.filter.mask != 0 || shape.filter.group > 0) return true;
   return false;
 }
 
-/// "a, b or c" of the rows for which `wanted` holds.
+/// "a, b or c" of the rows for which `wanted` is true.
 template <typename Table, typename Predicate>
 std::string names_where(const Table& table, Predicate wanted) {
   std::string text, last;
@@ -27,7 +27,7 @@ std::string names_where(const Table& table, Predicate wanted) {
 }  // namespace
 
 bool can_collide(const Scene& scene) {
-  // What can exist: the bodies, and any number of each prototype that inputs may spawn.
+  // The bodies that can exist: those of the scene, and any number of each prototype that inputs may spawn.
   std::size_t dynamic_count = 0, fixed_count = 0;
   for (const Body& body : scene.bodies)
     if (touches_something(body)) ++(body.type == BodyType::dynamic_body ? dynamic_count : fixed_count);

@@ -21,7 +21,7 @@ bool SceneRules::check_joint(const Joint& joint) {
   return check_own_fields(joint, info_of(joint_kinds, joint.kind), "a ", " joint",
                           [&](const auto& field, std::string_view key, const auto& value, FieldRange range) {
                             if (field.own == JointField::body_b) return check_joint_bodies(joint);
-                            if (field.is_body) return true;  // above
+                            if (field.is_body) return true;  // checked above
                             if (field.own == JointField::length) return check_length(joint, range);
                             if (field.own == JointField::limits) return !joint.limits || check_limits(joint);
                             return check_value(key, value, range, field.hint) &&
@@ -112,7 +112,7 @@ bool SceneRules::check_force(const Force& force) {
   return check_own_fields(force, info_of(force_kinds, force.kind), "a ", " force",
                           [&](const auto& field, std::string_view key, const auto& value, FieldRange range) {
                             if (field.own == ForceField::body) return check_force_bodies(force);
-                            if (field.is_body) return true;  // above
+                            if (field.is_body) return true;  // checked above
                             return check_value(key, value, range, field.hint) &&
                                    (field.own != ForceField::exponent || check_exponent(force));
                           });
