@@ -1,4 +1,4 @@
-// What this machine can run, asked once.
+// The instruction sets of this machine, determined once.
 // SPDX-License-Identifier: MIT
 #include "engine/simd/instruction_set.h"
 

@@ -1,4 +1,4 @@
-// Which vector instructions the engine's kernels use. A choice that changes no bit.
+// The vector instructions of the engine's kernels. The choice changes no bit.
 // SPDX-License-Identifier: MIT
 #pragma once
 
@@ -16,21 +16,22 @@ struct InstructionSetInfo {
   InstructionSet kind;
   std::string_view name;
 };
-/// Narrowest first. `baseline`: what every machine of this build's target has.
+/// Narrowest first. `baseline`: the instructions of every machine of this build's target.
 inline constexpr std::array<InstructionSetInfo, 2> instruction_sets{{
     {InstructionSet::baseline, "baseline"},
     {InstructionSet::avx2, "avx2"},
 }};
 
-/// Whether this build has kernels for it and this machine runs them.
+/// Whether this build has kernels for the set and this machine runs them.
 bool can_use(InstructionSet set);
 
-/// The set of engines made from now on, unless their options name one: at first the widest this machine can use.
+/// The set of engines made from now on, unless their options name one. Initially the widest set that this machine can
+/// use.
 InstructionSet instruction_set_in_use();
 /// Requires: no engine is being made at the same time. Errors: usage, for a set that is unknown or cannot be used.
 Status use_instruction_set(std::string_view name);
 
-/// The environment variable by which programs let people choose.
+/// The environment variable by which users of programs choose the set.
 inline constexpr const char* instruction_set_variable = "TICKTRUE_ISA";
 
 }  // namespace ticktrue::engine

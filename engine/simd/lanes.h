@@ -22,7 +22,7 @@ struct Softness {
   Real impulse_scale = 0;
 };
 
-/// Kernels read a MovingBody as so many numbers: velocity x, y, angular velocity, 0; delta position x, y; delta
+/// Kernels read a MovingBody as this many numbers: velocity x, y, angular velocity, 0; delta position x, y; delta
 /// rotation c, s.
 inline constexpr int body_record_length = 8;
 

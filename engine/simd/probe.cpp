@@ -52,7 +52,7 @@ void probe_arithmetic(ByteWriter& out) {
     }
     for (const Real lane : lanes) put(out, lane);
   }
-  // Down through the subnormal numbers, from one that no compiler knows.
+  // Divides down through the subnormal numbers. The first value is unknown to compilers.
   Real small = absolute(pose.c) * (sizeof(Real) == 4 ? Real(0x1p-120) : Real(0x1p-1016));
   for (int i = 0; i < 64; ++i) {
     small = small * Real(0.4);

@@ -1,4 +1,4 @@
-// A run through the engine's own arithmetic in one precision: what it gives is the same on every platform.
+// A run of the engine's own arithmetic in one precision. Its result is the same on every platform.
 // SPDX-License-Identifier: MIT
 #pragma once
 

@@ -1,7 +1,7 @@
-// Realx2N: two registers of Reals, used as one vector. Each lane gets the bits that RealxN gives it.
+// Realx2N: two registers of Reals, used as one vector. Each lane gets the same bits as in RealxN.
 // SPDX-License-Identifier: MIT
 //
-// A chain of dependent operations leaves half of the processor idle; two independent chains fill it.
+// A chain of dependent operations leaves half of the processor idle. Two independent chains use the whole processor.
 #pragma once
 
 #include "engine/simd/transpose.h"
@@ -54,7 +54,7 @@ TICKTRUE_INLINE Realx2N select(Maskx2N mask, Realx2N a, Realx2N b) {
   return {select(mask.at[0], a.at[0], b.at[0]), select(mask.at[1], a.at[1], b.at[1])};
 }
 
-// One lane is a Real.
+// The same function for one lane, a Real.
 TICKTRUE_INLINE Real larger(Real a, Real b) {
   return a > b ? a : b;
 }
@@ -65,7 +65,7 @@ TICKTRUE_INLINE Real select(bool condition, Real a, Real b) {
   return condition ? a : b;
 }
 
-/// Lets one template serve Real, RealxN and Realx2N.
+/// Types and functions that let one template serve Real, RealxN and Realx2N.
 template <typename Vector>
 struct SimdTraits;
 
@@ -98,7 +98,7 @@ struct SimdTraits<Realx2N> {
   }
 };
 
-/// A row of four values in as many registers as it needs.
+/// A row of four values in the number of registers that it needs.
 inline constexpr int row_part_length = simd_width < 4 ? simd_width : 4;
 using RowPart = Real __attribute__((vector_size(row_part_length * sizeof(Real))));
 

@@ -1,10 +1,10 @@
 // RealxN: a vector register of Reals, with the operators of Real.
 // SPDX-License-Identifier: MIT
 //
-// The vector types are named Realx<lanes>: Realx4 has four lanes, RealxN those of a register, Realx2N those of two.
-// An element-wise operation gives each lane the bits of scalar code, so the number of lanes changes no result.
-// All names are in a namespace of the instruction set, and no standard header with code is included. The linker can
-// therefore not replace a function compiled for every machine by the one compiled for AVX2.
+// The vector types are named Realx<lanes>: Realx4 has four lanes, RealxN those of a register, Realx2N those of two
+// registers. An element-wise operation gives each lane the bits of scalar code, so the number of lanes changes no
+// result. All names are in a namespace of the instruction set, and no standard header with code is included. Therefore
+// the linker cannot replace a function compiled for every machine by one compiled for AVX2.
 #pragma once
 
 #include <cstring>

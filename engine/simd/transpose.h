@@ -1,8 +1,8 @@
 // Gather and scatter: rows of four values in memory become four vectors, one for each column, and back.
 // SPDX-License-Identifier: MIT
 //
-// A load or store moves a whole row; rows are transposed in registers, so that no lane is moved by itself. The next
-// batch loads a row with the size with which it was stored: the processor can then forward the store.
+// A load or store moves a whole row. Rows are transposed in registers, so that no lane is moved alone. The next batch
+// loads a row with the size of its store, so that the processor can forward the store.
 #pragma once
 
 #include "engine/simd/realxn.h"
@@ -14,7 +14,7 @@ using Floatx8 = float __attribute__((vector_size(32)));
 using Doublex2 = double __attribute__((vector_size(16)));
 using Doublex4 = double __attribute__((vector_size(32)));
 
-/// at[i]: value i of as many rows as V has lanes.
+/// at[i]: value i of the rows, one row per lane of V.
 template <typename V>
 struct Columns4 {
   V at[4];
@@ -33,7 +33,7 @@ struct Transposer<float, 8> {
     std::memcpy(&row, from, sizeof row);
     return row;
   }
-  /// place(i): where record i's row begins.
+  /// place(i): the begin of record i's row.
   template <typename Place>
   TICKTRUE_INLINE static void gather(Place place, Floatx8* out) {
     const auto pair = [&place](int low, int high) {
