@@ -7,7 +7,7 @@
 namespace ticktrue::engine::TICKTRUE_PRECISION {
 namespace {
 
-/// The lane of the record that becomes this lane of the column; null where the record has none.
+/// The lane of the record that becomes this lane of the column; null if the record has none.
 Real* lane_of(MovingBody& body, BodyField field, std::size_t lane) {
   switch (field) {
     case BodyField::position:

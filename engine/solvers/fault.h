@@ -6,7 +6,7 @@
 
 namespace ticktrue::engine::TICKTRUE_PRECISION {
 
-/// Flips the injected bit if it is due after this substep of this set.
+/// Flips the injected bit if its time is after this substep of this set.
 void flip_injected(const SolvedSet& solved, int substep);
 
 /// One branch for each substep of a set, outside its loops.

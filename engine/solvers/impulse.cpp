@@ -1,12 +1,12 @@
-// The thesis' solver, with its defects: one contact point, one pass, positional correction. The baseline to beat.
+// The thesis' solver with its defects: one contact point, one pass, positional correction. A baseline to compare with.
 // SPDX-License-Identifier: MIT
 // Source: Claes, graduation work, DAE 2024, sections 1.2.2.3 and 1.3.3, figures 19..29. Kept as printed, on purpose:
 // - one contact point, the deepest vertex, so that a box on a floor rocks;
-// - separating bodies are pulled back (the test for it is commented out there);
+// - separating bodies are pulled back (the source comments the test out);
 // - friction stops the tangential velocity times mu (1 + e), with no Coulomb bound;
-// - inertia as in BodyModel::impulse_inv_inertia; static polygons take part with theirs;
-// - a body of 2 000 kg or more is taken for static;
-// - the circle test stops at the first edge the circle is outside of; coincident circles give NaN.
+// - inertia as in BodyModel::impulse_inv_inertia; static polygons take part with their inertia;
+// - a body of 2 000 kg or more counts as static;
+// - the circle test stops at the first edge that has the circle outside; coincident circles give NaN.
 #include "engine/integrators/flow.h"
 #include "engine/integrators/integrator.h"
 #include "engine/islands/solver_sets.h"
@@ -40,7 +40,7 @@ struct Placed {
   }
 };
 
-/// The unit vector of an offset; upwards for a zero offset, as of two discs in one place.
+/// The unit vector of an offset; upwards for a zero offset, such as of two discs at one place.
 Vec2 direction_of(Vec2 offset, Real distance) {
   return distance > 0 ? (1 / distance) * offset : Vec2{0, 1};
 }
@@ -90,7 +90,7 @@ Hit polygon_circle(const Model& model, const Placed& polygon, const Placed& circ
   return {true, normal, circle.shape.radius - distance, center - circle.shape.radius * normal};
 }
 
-/// Least overlap over the edges of `a`, and the vertex of `b` deepest behind that edge.
+/// The least overlap over the edges of `a`, and the vertex of `b` that is deepest behind this edge.
 Hit least_overlap(const Model& model, const Placed& a, const Placed& b) {
   Hit best;
   for (std::uint32_t i = 0; i < a.shape.vertex_count; ++i) {

@@ -1,8 +1,8 @@
-// Sequential impulses: iterations over all contacts, accumulated and warm started, overlap taken back by velocity.
+// Sequential impulses: iterations over all contacts, accumulated and warm started; velocities correct overlaps.
 // SPDX-License-Identifier: MIT
 // Source: Catto, "Iterative Dynamics with Temporal Coherence", GDC 2005 (projected Gauss-Seidel on accumulated
-// impulses); Baumgarte, "Stabilization of Constraints and Integrals of Motion", 1972. The velocity that takes overlap
-// back stays: the price of having no relax pass. Cost per tick: bodies 4, contacts 2 + n, n = iterations.
+// impulses); Baumgarte, "Stabilization of Constraints and Integrals of Motion", 1972. The velocity that corrects
+// overlap remains, since there is no relax pass. Cost per tick: bodies 4, contacts 2 + n, n = iterations.
 #include "engine/integrators/flow.h"
 #include "engine/integrators/integrator.h"
 #include "engine/islands/solver_sets.h"

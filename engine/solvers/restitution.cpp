@@ -1,4 +1,4 @@
-// Restitution: applied once, at the end of the tick, to contacts that hit in it.
+// Restitution: applied once, at the end of the tick, to contacts that hit in the tick.
 // SPDX-License-Identifier: MIT
 #include "engine/solvers/restitution.h"
 

@@ -1,4 +1,4 @@
-// The stage after the solver that gives contacts their bounce.
+// The stage after the solver that applies restitution.
 // SPDX-License-Identifier: MIT
 #pragma once
 
@@ -12,7 +12,7 @@ namespace ticktrue::engine::TICKTRUE_PRECISION {
 
 class Restitution final : public Stage {
  public:
-  /// `work`: the solver's, which holds the contacts that it has solved.
+  /// `work`: of the solver, with the contacts that it has solved.
   explicit Restitution(std::shared_ptr<SolverWork> work) : work_(std::move(work)) {}
   void run(const Model& model, State& state, TickLists& tick, Real dt) override;
 

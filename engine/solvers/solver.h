@@ -1,4 +1,4 @@
-// The solvers: each advances the state by one tick, in one function that shows its whole loop.
+// The solvers. Each advances the state by one tick, in one function that shows its whole loop.
 // SPDX-License-Identifier: MIT
 #pragma once
 
@@ -10,7 +10,7 @@
 
 namespace ticktrue::engine::TICKTRUE_PRECISION {
 
-/// The stage of this kind, which owns the workspace together with Restitution.
+/// The stage of this kind. It shares its workspace with Restitution.
 std::unique_ptr<Stage> make_solver(SolverKind kind, std::shared_ptr<SolverWork> work);
 
 void solve_free_flight(const Model& model, State& state, TickLists& tick, SolverWork& work, Real dt);

@@ -1,4 +1,4 @@
-// What the solving stages of an engine work in.
+// The workspace of the solving stages of an engine.
 // SPDX-License-Identifier: MIT
 #pragma once
 
@@ -16,7 +16,7 @@
 
 namespace ticktrue::engine::TICKTRUE_PRECISION {
 
-/// The workspace of each room of the solver. Each room is handed its own.
+/// The workspaces of the rooms of the solver. Each room gets its own.
 struct SolverWork {
   SolverBodies bodies;
   MotionWorkspace motion;

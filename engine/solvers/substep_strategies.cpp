@@ -9,12 +9,12 @@
 namespace ticktrue::engine::TICKTRUE_PRECISION {
 namespace {
 
-/// Nothing acts between the bodies: each takes its steps alone.
+/// Nothing acts between the bodies: each takes its steps independently.
 void integrate_alone(SolvedSet& solved, TickLists&, SolverWork& work, State&) {
   integrate_freely(solved, work.motion);
 }
 
-/// Bodies without contacts take their steps alone, the others in turn.
+/// Bodies without contacts take their steps independently; solve_in_turn handles the others.
 void solve_beside_free(SolvedSet& solved, TickLists& tick, SolverWork& work, State& state) {
   integrate_free_bodies(solved, tick.set_rows, work.free_bodies, work.motion);
   solve_in_turn(solved, tick, work, state);
@@ -25,7 +25,7 @@ void solve_by_wavefront(SolvedSet& solved, TickLists&, SolverWork& work, State& 
   solve_wavefront(solved, work.joints, work.motion, state);
 }
 
-/// Only contacts act, in many islands: some islands at a time.
+/// Only contacts act, in many islands: a few islands at a time.
 void solve_by_blocks(SolvedSet& solved, TickLists&, SolverWork& work, State& state) {
   solve_blocks(solved, work.contacts, work.motion, state);
 }

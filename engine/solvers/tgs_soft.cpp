@@ -28,13 +28,13 @@ void solve_in_turn(SolvedSet& solved, TickLists& tick, SolverWork& work, State& 
     start_direct(solved, motion, direct);
     warm_start_mouse_joints(mouse_joints, bodies);
     warm_start_contacts(solved, contacts);
-    for (int turn = 0; turn < direct.turn_count; ++turn) {  // one, unless something touches direct joints
+    for (int turn = 0; turn < direct.turn_count; ++turn) {  // one, unless something acts on bodies of direct joints
       if (direct.turn_count > 1) solve_direct(solved, motion, direct);
       for (std::uint32_t i = 0; i < set.joint_iterations; ++i) solve_joints(solved, joints, Bias::on);
       solve_mouse_joints(mouse_joints, bodies);
       solve_contacts(solved, contacts);
     }
-    Real settled = settled_speed(solved);  // 0 unless an impact on bodies at rest has hit
+    Real settled = settled_speed(solved);  // 0 unless an impact has hit bodies at rest
     propagate_shock(solved, settled, tick.shock_work_left, contacts, shock);
     meet_direct(solved, motion, direct);
     scheme.drift(solved, motion, set.h);  // x += h v
