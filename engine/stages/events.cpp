@@ -1,8 +1,8 @@
 // Begin and end of contacts, and of overlaps with sensors, as rows of this tick.
 // SPDX-License-Identifier: MIT
 //
-// What touches is compared with what touched in the tick before; both are sorted by ids, so one walk over both finds
-// every difference, in an order that no broad phase can change.
+// The touching pairs of this tick are compared with those of the tick before. Both lists are sorted by ids. One walk
+// over both lists therefore finds every difference, in an order that no broad phase can change.
 #include "engine/stages/events.h"
 
 #include "engine/narrow_phase/narrow_phase.h"
@@ -23,7 +23,7 @@ bool is_sorted(const std::vector<TouchRow>& rows) {
   return true;
 }
 
-/// Merge sort, bottom up. Contacts come sorted.
+/// Merge sort, bottom up. Contacts are already sorted.
 void sort_rows(std::vector<TouchRow>& rows, std::vector<TouchRow>& buffer) {
   if (is_sorted(rows)) return;
   buffer.resize(rows.size());
@@ -47,7 +47,7 @@ bool touches(const Manifold& manifold) {
   return any;
 }
 
-/// Adds a row of `kind` for each row of `present` that `past` has not. Both are sorted.
+/// Adds a row of `kind` for each row of `present` that is not in `past`. Both lists are sorted.
 void add_events(EventKind kind, const std::vector<TouchRow>& present, const std::vector<TouchRow>& past,
                 std::vector<EventRow>& events) {
   std::size_t at = 0;
@@ -58,7 +58,8 @@ void add_events(EventKind kind, const std::vector<TouchRow>& present, const std:
   }
 }
 
-/// Replaces `past` by `present` and tells what changed. `removed`: rows of `past` whose bodies went in this tick.
+/// Replaces `past` by `present` and adds the changes to `events`. `removed`: rows of `past` whose bodies were removed
+/// in this tick.
 void compare(EventKind begin, EventKind end, std::vector<TouchRow>& past, std::vector<TouchRow>& present,
              std::vector<TouchRow>& removed, std::vector<TouchRow>& buffer, std::vector<EventRow>& events) {
   sort_rows(present, buffer);

@@ -1,4 +1,4 @@
-// The stage that tells begin and end of contacts, and of overlaps with sensors.
+// The stage that reports begin and end of contacts, and of overlaps with sensors.
 // SPDX-License-Identifier: MIT
 #pragma once
 

@@ -27,12 +27,12 @@ void erase_where(Vector& rows, Predicate predicate) {
   rows.resize(count);
 }
 
-/// Counts an input to something already removed.
+/// Counts an input to something that was removed before.
 void ignore(State& state) {
   if (state.world.ignored_inputs != no_reference) ++state.world.ignored_inputs;
 }
 
-/// The row of an input's body, awake; null (and counted) if the body was removed.
+/// The row of an input's body, which is woken. Null if the body was removed; the input is then counted as ignored.
 BodyRow* find(State& state, const Input& input) {
   const std::size_t row = state.find_body(input.body);
   if (row < state.bodies.size()) {
@@ -134,7 +134,7 @@ void do_press(const Model& model, State& state, TickLists& tick, const Input& in
   do_release(model, state, tick, input);
   const Vec2 at = to_vec2(input.values[0], input.values[1]);
   bool occupied = false;
-  // The newest body is on top.
+  // The newest body is in front.
   for (std::size_t row = state.bodies.size(); row-- > 0;) {
     const BodyRow& body = state.bodies[row];
     const BodyModel& constants = model.bodies[body.source];
@@ -157,7 +157,7 @@ void do_press(const Model& model, State& state, TickLists& tick, const Input& in
   Input pose;
   pose.values[0] = input.values[0];
   pose.values[1] = input.values[1];
-  // In turn: ids are never used again, so they count what was spawned.
+  // Prototypes are spawned in turn. No id is used twice, so ids count the spawned bodies.
   const std::size_t turn = (state.world.next_id - model.first_prototype) % model.pointer_spawns.size();
   add_body(model, state, tick, model.pointer_spawns[turn], pose);
 }
@@ -217,7 +217,7 @@ void remove_body(State& state, TickLists& tick, std::size_t row) {
   erase_where(state.contacts, [id](const ContactRow& contact) { return contact.body_a == id || contact.body_b == id; });
   erase_where(state.pointers, [id](const PointerRow& pointer) { return pointer.body == id; });
   erase_where(state.joints, [id](const JointRow& joint) { return joint.body_a == id || joint.body_b == id; });
-  // Their ends are events of this tick.
+  // The ends of touches are events of this tick.
   const auto move_touches = [id](std::vector<TouchRow>& rows, std::vector<TouchRow>& removed) {
     const auto has_body = [id](const TouchRow& touch) { return touch.body_a == id || touch.body_b == id; };
     for (const TouchRow& touch : rows)

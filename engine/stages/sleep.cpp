@@ -13,7 +13,7 @@ void measure_idle_time(const Model& model, State& state, TickLists& tick, Real d
       const BodyModel& constants = model.bodies[body.source];
       SleepRow& sleep = state.sleep[row];
       if (constants.type != BodyType::dynamic_body || sleep.asleep != 0) continue;
-      // An upper bound of the speed of any point of the body.
+      // An upper bound of the speed of all points of the body.
       const Real speed = length(body.velocity) + magnitude(body.angular_velocity) * constants.extent;
       sleep.calm = constants.can_sleep && speed <= speed_max ? sleep.calm + dt : Real(0);
     }

@@ -1,4 +1,4 @@
-// Stages that are a function.
+// Stages that consist of one function.
 // SPDX-License-Identifier: MIT
 #pragma once
 
@@ -9,12 +9,12 @@
 namespace ticktrue::engine::TICKTRUE_PRECISION {
 
 void apply_inputs(const Model& model, State& state, TickLists& tick, Real dt);
-/// Removes what has left the scene's bounds.
+/// Removes bodies that have left the scene's bounds.
 void cull(const Model& model, State& state, TickLists& tick, Real dt);
 void measure_idle_time(const Model& model, State& state, TickLists& tick, Real dt);
 
-/// Removes the row, its contacts, its joints and the pointers that hold it; forces of this tick's inputs keep their
-/// bodies.
+/// Removes the row, its contacts, its joints and the pointers that hold it. The forces of this tick's inputs stay with
+/// their bodies.
 void remove_body(State& state, TickLists& tick, std::size_t row);
 
 }  // namespace ticktrue::engine::TICKTRUE_PRECISION
