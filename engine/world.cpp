@@ -28,7 +28,7 @@ Error input_error(const std::string& what, const std::string& hint = "") {
   return {ErrorCode::invalid_input, what, hint};
 }
 
-/// The inputs of the coming tick: step() takes those that accept() has decoded, and leaves none.
+/// The inputs of the next tick. step() takes the inputs that accept() has decoded.
 class DecodedInputs {
  public:
   Status decode(const Scene& scene, ByteView bytes) {
@@ -83,7 +83,7 @@ class World final : public Engine {
       return input_error("dt: found " + lane_text(ScalarType::f64, bits_of(input.dt)) + " s, expected 1e-09..1");
     if (state_.world.tick >= limits::tick_count_max) return input_error("tick: no more ticks are possible");
     if (const Status status = decoded_.decode(model_.scene, input.inputs); !status) return status;
-    // Bodies that this tick's inputs may still make count as issued; each press makes at most one.
+    // Bodies that this tick's inputs may still create count as issued; each press creates at most one.
     std::uint64_t issued = state_.world.next_id;
     for (const Input& event : decoded_.inputs()) {
       const InputInfo& info = info_of(input_kinds, event.kind);
@@ -120,7 +120,7 @@ class World final : public Engine {
     begin_state(state_, input);
     const Real dt = static_cast<Real>(input.dt);
     for (std::size_t i = 0; i < pipeline_.stages.size(); ++i) {
-      tick_.pair_count_max = pair_count_max();  // inputs make bodies
+      tick_.pair_count_max = pair_count_max();  // inputs create bodies
       pipeline_.stages[i].stage->run(model_, state_, tick_, dt);
       if (tick_.has_too_many_pairs) {
         forget_caches(all_caches);
@@ -297,14 +297,14 @@ class World final : public Engine {
     return pair_count_max_.value_or(limits::pair_count_max(state_.bodies.size()));
   }
 
-  /// A tick without any cached structure, beside the one that counts.
+  /// A tick without any cached structure, in addition to the real tick.
   struct ColdTick {
     State state;
     std::optional<TickLists> tick;
     Pipeline pipeline;
   };
 
-  /// So that nothing but caches can hand anything from one tick to the next.
+  /// Poisons the memory of stages and lists, so that only caches can carry data from one tick to the next.
   void poison_all_but_caches() {
     list_fields(tick_, Poison{});
     for (const PipelineStage& stage : pipeline_.stages) stage.stage->poison();
@@ -326,7 +326,7 @@ class World final : public Engine {
     begin_state(check_->state, input);
   }
 
-  /// Does a stage in `check_`, too. Errors: inconsistent.
+  /// Runs a stage in `check_`, too. Errors: inconsistent.
   Status check_stage(std::size_t stage, Real dt) {
     check_->tick->pair_count_max = tick_.pair_count_max;
     check_->pipeline.stages[stage].stage->run(model_, check_->state, *check_->tick, dt);
@@ -388,7 +388,7 @@ class World final : public Engine {
     return name.empty() ? "joint#" + std::to_string(joint) : name;
   }
 
-  // What a row of a table is called.
+  // The name of a row of a table.
   std::string name_of(const BodyRow& row, std::size_t) const {
     return body_name(row);
   }
@@ -420,10 +420,10 @@ class World final : public Engine {
   TickLists tick_;
   std::vector<TickCache*> caches_;  // of the stages and the solver
   std::optional<std::size_t> pair_count_max_;
-  std::unique_ptr<ColdTick> check_;        // if every tick is to be done without cached structures, too
+  std::unique_ptr<ColdTick> check_;        // if every tick also runs without cached structures
   std::optional<InjectedFault> injected_;  // for the next tick
   mutable DecodedInputs decoded_;
-  Status last_step_;  // an error: the state is that of no tick
+  Status last_step_;  // after an error, the state belongs to no tick
   StateView view_;
   std::vector<std::string> stage_names_;
 };
