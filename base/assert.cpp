@@ -1,4 +1,4 @@
-// What happens when an assertion fails.
+// The report of a failed assertion.
 // SPDX-License-Identifier: MIT
 #include "base/assert.h"
 

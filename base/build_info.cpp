@@ -1,4 +1,4 @@
-// Build facts, most of them handed in by CMake.
+// Build facts, most of them defined by CMake.
 // SPDX-License-Identifier: MIT
 #include "base/build_info.h"
 

@@ -1,4 +1,4 @@
-// Facts about this build and this machine, for reports and traces. Never part of what is hashed.
+// Facts about this build and this machine, for reports and traces. No hash contains them.
 // SPDX-License-Identifier: MIT
 #pragma once
 

@@ -20,7 +20,7 @@ using ByteView = std::span<const std::uint8_t>;
 
 inline constexpr bool machine_is_little_endian = __BYTE_ORDER__ == __ORDER_LITTLE_ENDIAN__;
 
-/// Reverses the bytes of `size`-byte scalars in place. `size` is 1, 2, 4 or 8.
+/// Reverses the bytes of scalars in place. `scalar_size` is 1, 2, 4 or 8.
 void reverse_scalar_bytes(std::uint8_t* bytes, std::size_t scalar_size, std::size_t scalar_count);
 
 /// The unsigned integer with the same bits as a float.
@@ -37,7 +37,7 @@ inline double double_of_bits(std::uint64_t bits) {
   return __builtin_bit_cast(double, bits);
 }
 
-/// Appends little-endian values to a buffer it owns.
+/// Appends little-endian values to its own buffer.
 class ByteWriter {
  public:
   void u8(std::uint8_t value) { bytes_.push_back(value); }
@@ -49,7 +49,7 @@ class ByteWriter {
   /// u32 length, then the bytes of the text.
   void text(std::string_view value);
   void bytes(ByteView value) { bytes_.insert(bytes_.end(), value.begin(), value.end()); }
-  /// LEB128: 7 bits a byte, low bits first, top bit set on all but the last.
+  /// LEB128: 7 bits per byte, low bits first, top bit set on all bytes but the last.
   void varint(std::uint64_t value);
 
   std::size_t size() const { return bytes_.size(); }
@@ -65,8 +65,8 @@ class ByteWriter {
   Bytes bytes_;
 };
 
-/// Reads little-endian values from a view. Past the end, or after any failed read, every read gives zero and
-/// ok() stays false: check once at the end of a group, and before using a count to allocate.
+/// Reads little-endian values from a view. Past the end, or after any failed read, every read gives zero and ok() stays
+/// false. Check ok() once at the end of a group, and before a count is used to allocate.
 class ByteReader {
  public:
   explicit ByteReader(ByteView bytes) : bytes_(bytes) {}
@@ -77,7 +77,7 @@ class ByteReader {
   std::uint64_t u64() { return scalar<std::uint64_t>(); }
   std::int32_t i32() { return static_cast<std::int32_t>(scalar<std::uint32_t>()); }
   double f64() { return double_of_bits(scalar<std::uint64_t>()); }
-  /// At most `size_max` bytes, else fails.
+  /// A text of at most `size_max` bytes; a longer text fails.
   std::string text(std::size_t size_max);
   ByteView bytes(std::size_t size);
   /// Fails on more than 10 bytes, on overflow and on a padded (non-shortest) form.

@@ -7,7 +7,7 @@
 
 namespace ticktrue {
 
-/// `noun`: one of them; its plural ends in s.
+/// `noun`: the singular; its plural ends in s.
 inline std::string count_text(std::uint64_t count, const char* noun) {
   return std::to_string(count) + " " + noun + (count == 1 ? "" : "s");
 }

@@ -33,14 +33,14 @@ bool flushes() {
 
 template <typename Real>
 bool drops_subnormals() {
-  // The product of a subnormal operand and a large one is normal: zero only if the operand was taken as zero.
+  // The product of a subnormal operand and a large one is normal. It is zero only if the operand was taken as zero.
   return opaque(opaque(std::numeric_limits<Real>::denorm_min()) *
                 opaque(Real(1) / std::numeric_limits<Real>::epsilon() * Real(4))) == Real(0);
 }
 
 template <typename Real>
 bool contracts() {
-  // (1 + e)(1 - e) = 1 - e^2 is no number of the type: with the product rounded first, the sum is another one.
+  // (1 + e)(1 - e) = 1 - e^2 is not representable. If the product is rounded first, the sum differs.
   const Real e = std::numeric_limits<Real>::epsilon();
   const Real a = opaque(1 + e);
   const Real b = opaque(1 - e);

@@ -1,8 +1,8 @@
-// What the calling thread's floating point does, found by arithmetic: rounding, subnormals, contraction.
+// The floating point behaviour of the calling thread, found by arithmetic: rounding, subnormals, contraction.
 // SPDX-License-Identifier: MIT
 //
-// Control words differ from CPU to CPU and some have none (WebAssembly); a product that must come out as a certain
-// number tells the same everywhere. A dozen operations: cheap enough for the start of every run and of every thread.
+// Control words differ between CPUs, and some CPUs have none (WebAssembly). A product with a known result gives the
+// same answer everywhere. A dozen operations are cheap enough for the start of every run and of every thread.
 #pragma once
 
 #include <string_view>
@@ -20,14 +20,14 @@ struct FloatBehaviour {
   bool operator==(const FloatBehaviour&) const = default;
 };
 
-/// Of the calling thread, in f32 and f64.
+/// The behaviour of the calling thread, in f32 and f64.
 FloatBehaviour probe_float_behaviour();
 
-/// Whether the calling thread may simulate: its results would be those of other machines.
-/// Errors: unsupported, with what was found.
+/// Whether the calling thread may simulate: its results would equal those of other machines.
+/// Errors: unsupported, with the found behaviour.
 Status check_float_behaviour();
 
-/// The same for a given behaviour.
+/// Checks a given behaviour.
 Status check_float_behaviour(const FloatBehaviour& behaviour);
 
 }  // namespace ticktrue

@@ -1,10 +1,10 @@
-// Refuses to compile where floats would not follow IEEE 754 operation by operation.
+// Stops the compilation where floats would not follow IEEE 754 operation by operation.
 // SPDX-License-Identifier: MIT
 //
 // docs/determinism.md has the reasons.
-// base/bytes.h includes this header, so that it is seen by every object that handles state, not by one of them only.
-// Not seen here: fused multiply-add (no macro tells; tests/base/float_rules_test.cpp probes it) and clang's single
-// flags such as -fassociative-math (cmake/refuse_flags.cmake refuses them by name).
+// base/bytes.h includes this header, so that every object that handles state is checked, and not only one.
+// Two things are not checked here. No macro reports fused multiply-add; tests/base/float_rules_test.cpp probes it.
+// clang's single flags such as -fassociative-math are refused by name in cmake/refuse_flags.cmake.
 #pragma once
 
 #include <cfloat>

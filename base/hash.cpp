@@ -1,4 +1,4 @@
-// Which row kernels this machine runs; hashes as text.
+// The choice of row kernels for this machine; hashes as text.
 // SPDX-License-Identifier: MIT
 #include "base/hash.h"
 

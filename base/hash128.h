@@ -1,4 +1,4 @@
-// XXH3-128, where files are named by their content. The same value on every platform.
+// XXH3-128, for files that are named by their content. The same value on every platform.
 // SPDX-License-Identifier: MIT
 #pragma once
 
@@ -19,7 +19,7 @@ struct Hash128 {
 /// Source: xxHash 0.8 specification.
 Hash128 hash128(ByteView bytes);
 
-/// Of bytes that come in parts: the same value as of all of them at once.
+/// The hash of bytes that come in parts: the same value as that of all bytes at once.
 class Hash128Stream {
  public:
   Hash128Stream();
@@ -30,7 +30,7 @@ class Hash128Stream {
   alignas(64) std::array<std::uint8_t, 576> state_;
 };
 
-/// Thirty-two lower-case hexadecimal digits, as xxh128sum prints them.
+/// Thirty-two lower-case hexadecimal digits, in the form of xxh128sum.
 std::string hex128(const Hash128& value);
 
 }  // namespace ticktrue

@@ -44,7 +44,7 @@ void append_escaped(std::uint32_t code, std::string& out) {
   for (int shift = 12; shift >= 0; shift -= 4) out += digits[(code >> shift) & 0xf];
 }
 
-/// Bytes at the start of `text` that need no escape: most of every text.
+/// The number of bytes at the start of `text` that need no escape. Most text is of this kind.
 std::size_t ordinary_size(std::string_view text, bool at_line_start) {
   std::size_t size = 0;
   while (size < text.size() && text[size] > ' ' && text[size] < 0x7f && text[size] != '#' &&
@@ -75,7 +75,7 @@ std::string escaped(std::string_view text, bool allows_lines, bool& at_line_star
       append_escaped(c.code, out);
     else
       out += rest.substr(0, c.size);
-    // A runner skips spaces before a command.
+    // Spaces before a command count as the beginning of the line, since a runner skips them.
     at_line_start = allows_lines && c.code == '\n' ? true : at_line_start && (c.code == ' ' || c.code == '\t');
   }
   return out;

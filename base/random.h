@@ -25,7 +25,7 @@ class Random {
   /// low <= value <= high.
   double real(double low, double high) { return low + (high - low) * unit(); }
 
-  /// 0 <= value < count. Requires: 0 < count < 2^32. Uneven by less than count / 2^32.
+  /// 0 <= value < count. Requires: 0 < count < 2^32. The bias is below count / 2^32.
   std::uint64_t below(std::uint64_t count) { return ((bits() >> 32) * count) >> 32; }
 
  private:

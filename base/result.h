@@ -1,4 +1,4 @@
-// Result<T> and Status: how an operation that can fail says so, without exceptions.
+// Result<T> and Status: the result of an operation that can fail, without exceptions.
 // SPDX-License-Identifier: MIT
 #pragma once
 
@@ -11,22 +11,22 @@
 
 namespace ticktrue {
 
-/// Why an operation failed. The tool maps each code to an exit code (verifier/report/exit_codes.h).
+/// The reason of a failure. The tool maps each code to an exit code (verifier/report/exit_codes.h).
 enum class ErrorCode : std::uint8_t {
   io,             // the operating system refused: missing file, disk full, no permission
   usage,          // the caller asked for something that does not exist
   invalid_scene,  // a scene breaks a rule of the schema or of physics
   invalid_input,  // an input event breaks a rule
-  corrupt,        // bytes are not what was written
-  truncated,      // bytes end too early
+  corrupt,        // the bytes differ from those written
+  truncated,      // the bytes end too early
   incompatible,   // valid, but of another physics version, schema, precision or format
   unsupported,    // valid, but this build or simulation cannot do it
   limit,          // a limit of base/limits.h would be exceeded
-  inconsistent,   // a check of our own fell short: the same work, done in two ways, gave two results
+  inconsistent,   // an internal check failed: the same work, done in two ways, gave two results
 };
 
-/// A failed operation: what kind, and one line `place: what is wrong: found, expected`, with an optional
-/// second line that says the next step.
+/// A failed operation: its code, and one line `place: what is wrong: found, expected`, with an optional second line
+/// that names the next step.
 struct Error {
   ErrorCode code;
   std::string message;

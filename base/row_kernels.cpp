@@ -1,4 +1,4 @@
-// The row kernels, compiled once for each instruction set: nothing is seen from outside but their table.
+// The row kernels, compiled once for each instruction set. Only their table is visible outside.
 // SPDX-License-Identifier: MIT
 // Source: Black et al., "UMAC: Fast and Secure Message Authentication", 1999 (NH, for the sums of products).
 #include "base/row_kernels.h"
@@ -27,7 +27,7 @@ template <>
 struct Vectors<4> {
   using Words = std::uint32_t __attribute__((vector_size(16)));
   using Sums = std::uint64_t __attribute__((vector_size(16)));
-  /// Words 1 and 3, in the places of words 0 and 2; the others are unused.
+  /// Words 1 and 3, at the places of words 0 and 2; the other words are unused.
   static Words odd_words(Words a) { return __builtin_shufflevector(a, a, 1, 1, 3, 3); }
   /// Products of words 0 and 2 of both, as 64 bits each.
   static Sums multiply_even(Words a, Words b) {
@@ -63,8 +63,8 @@ typename Vectors<width>::Words load(const void* at) {
 template <std::size_t width>
 struct Width {};
 
-/// Calls `block(first, Width)` for vectors of words that cover a row: the last overlaps the one before where the row is
-/// no multiple of four.
+/// Calls `block(first, Width)` for vectors of words that cover a row. If the row length is no multiple of four, the
+/// last vector overlaps the one before.
 template <typename Block>
 void cover_words(std::size_t word_count, const Block& block) {
   std::size_t word = 0;

@@ -1,4 +1,4 @@
-// Loops over packed rows that are worth a machine's widest vectors; the same values with every instruction set.
+// Loops over packed rows that benefit from a machine's widest vectors. Values are the same for every instruction set.
 // SPDX-License-Identifier: MIT
 #pragma once
 
@@ -12,8 +12,8 @@ struct RowKernels {
   /// XXH3-64.
   std::uint64_t (*hash)(const std::uint8_t* bytes, std::size_t size, std::uint64_t seed);
 
-  /// The sums over pairs of rows of products of words: docs/trace_format.md, "Cells". `first`: the index in the table
-  /// of the first of these rows, an even one. Writes one sum for each word of a row. Requires: at least four words.
+  /// The sums over pairs of rows of products of words: docs/trace_format.md, "Cells". `first`: the even index in the
+  /// table of the first row. Writes one sum for each word of a row. Requires: at least four words.
   void (*sum_products)(const std::uint32_t* rows, std::size_t word_count, std::size_t first, std::size_t row_count,
                        std::uint64_t* sums);
 
@@ -27,19 +27,20 @@ struct RowKernels {
   void (*value128)(const void* state, std::uint64_t* high, std::uint64_t* low);
 };
 
-/// Those of each instruction set that this build has and this machine runs, the widest last.
+/// The kernels of each instruction set that this build has and this machine runs, the widest last.
 std::span<const RowKernels* const> all_row_kernels();
-/// Those of the widest.
+/// The kernels of the widest instruction set.
 const RowKernels& row_kernels();
 
-/// A word's key: row r has (r + 1) times this, 2^32 / golden ratio, so that keys spread evenly.
+/// The step of row keys: row r has the key (r + 1) * row_step. The step is 2^32 / golden ratio, so that keys spread
+/// evenly.
 inline constexpr std::uint32_t row_step = 0x9e3779b9u;
 
 namespace baseline {
 extern const RowKernels row_kernels;
 }
 namespace avx2 {
-extern const RowKernels row_kernels;  // only where TICKTRUE_HAS_AVX2_ROWS
+extern const RowKernels row_kernels;  // if TICKTRUE_HAS_AVX2_ROWS is defined
 }
 
 }  // namespace ticktrue

@@ -1,8 +1,9 @@
-// What only a compiler's own words can say, for libticktrue: one place for g++, clang and MSVC.
+// Compiler-specific language for libticktrue, in one place for g++, clang and MSVC.
 // SPDX-License-Identifier: MIT
 //
-// Not here: the kernels of base/ (row_kernels.cpp, hash.cpp, parallel/workers.cpp, bytes.h). Their words choose
-// instructions. No header of the C++ library is included, so that the file can be checked for systems without one.
+// The kernels of base/ (row_kernels.cpp, hash.cpp, parallel/workers.cpp, bytes.h) have their own compiler words, which
+// choose instructions. This file includes no header of the C++ library, so that it can be checked for systems without
+// one.
 #pragma once
 
 #include <stdint.h>
@@ -11,11 +12,11 @@
 #endif
 
 #if defined(__GNUC__) || defined(__clang__)
-/// The address to which the function that says it returns.
+/// The return address of the function that contains the macro.
 #define TICKTRUE_RETURN_ADDRESS() __builtin_return_address(0)
-/// Before a function: its code stands apart from that of its callers.
+/// Before a function: the function is never inlined.
 #define TICKTRUE_NO_INLINE __attribute__((noinline))
-/// Before a declaration: null where no library that is loaded defines it. Linux.
+/// Before a declaration: its address is null if no loaded library defines it. Linux.
 #define TICKTRUE_WEAK __attribute__((weak))
 #elif defined(_MSC_VER)
 #define TICKTRUE_RETURN_ADDRESS() _ReturnAddress()
@@ -27,7 +28,7 @@
 
 namespace ticktrue::compiler {
 
-// Whole loads and stores of plain integers and pointers that another thread or process may see.
+// Untorn loads and stores of plain integers and pointers that another thread or process may read.
 #if defined(__GNUC__) || defined(__clang__)
 
 template <typename T>
@@ -40,7 +41,7 @@ void store_relaxed(T& place, T value) {
   __atomic_store_n(&place, value, __ATOMIC_RELAXED);
 }
 
-/// Behind all loads and stores before it.
+/// Stores after all earlier loads and stores.
 inline void store_release(uint64_t& place, uint64_t value) {
   __atomic_store_n(&place, value, __ATOMIC_RELEASE);
 }
@@ -48,7 +49,7 @@ inline void store_release(uint32_t& place, uint32_t value) {
   __atomic_store_n(&place, value, __ATOMIC_RELEASE);
 }
 
-/// No load and no store moves past it.
+/// No load and no store moves across the fence.
 inline void full_fence() {
   __atomic_thread_fence(__ATOMIC_SEQ_CST);
 }
@@ -79,7 +80,7 @@ inline void full_fence() {
 
 #endif
 
-/// The word that says how floats are rounded. Without a name: none is known of this machine.
+/// The control word for the rounding of floats. Without a name: no such word is known for this machine.
 struct FloatControl {
   const char* name;
   uint64_t word;

@@ -1,4 +1,4 @@
-// Runs chunks one by one in another order: a dependency on the order shows in every run.
+// Runs chunks one at a time in another order, so that a dependency on the order shows in every run.
 // SPDX-License-Identifier: MIT
 #pragma once
 
@@ -13,7 +13,7 @@ class ChunkOrder final : public ChunkRunner {
  public:
   explicit ChunkOrder(bool reversed, unsigned width = 4) : reversed_(reversed), width_(width) {}
 
-  /// Backwards; else those of odd numbers first.
+  /// Runs chunks backwards if reversed; otherwise chunks of odd index first.
   void run(std::size_t count, std::size_t chunk_size, Work work, const void* context) override {
     ++run_count;
     const std::size_t chunk_count = Parallel::chunk_count(count, chunk_size);
@@ -26,7 +26,8 @@ class ChunkOrder final : public ChunkRunner {
       work(context, {index, begin, end});
     }
   }
-  /// Runs each line as early as its dependencies allow; otherwise as late as possible, one line after another.
+  /// If reversed, runs each line as early as its dependencies allow; otherwise one line after another, as late as
+  /// possible.
   void run_lines(const Lines& lines, LineWork work, const void* context) override {
     ++line_run_count;
     if (!reversed_) return ChunkRunner::run_lines(lines, work, context);

@@ -1,4 +1,4 @@
-// Threads that take jobs from one counter. Who does which job changes no result.
+// Threads that take jobs from one counter. The assignment of jobs to threads changes no result.
 // SPDX-License-Identifier: MIT
 #include "base/parallel/jobs.h"
 

@@ -1,8 +1,8 @@
 // Splits ranges into chunks. Any thread may run a chunk, in any order, with the same result.
 // SPDX-License-Identifier: MIT
 //
-// A chunk writes nothing that another chunk reads or writes. Lists that chunks make are concatenated in the order of
-// the chunks. So a result depends neither on the number of threads nor on the size of the chunks.
+// A chunk writes nothing that another chunk reads or writes. Lists from chunks are concatenated in the order of the
+// chunks. The result therefore depends neither on the number of threads nor on the size of the chunks.
 #pragma once
 
 #include <cstddef>
@@ -24,26 +24,27 @@ struct Lines {
   std::size_t lag;
 };
 
-/// Something that runs chunks, such as the threads of base/parallel/workers.h.
+/// Runs chunks, for example on the threads of base/parallel/workers.h.
 class ChunkRunner {
  public:
   using Work = void (*)(const void* context, const Chunk& chunk);
   using LineWork = void (*)(const void* context, std::size_t line, std::size_t step);
 
   virtual ~ChunkRunner() = default;
-  /// Calls work(context, chunk) once for each chunk of `count` elements, and returns when all are done. The last chunk
-  /// may be shorter than `chunk_size`. Requires: chunk_size > 0; no run within a run.
+  /// Calls work(context, chunk) once for each chunk of `count` elements, and returns when all chunks are done. The last
+  /// chunk may be shorter than `chunk_size`. Requires: chunk_size > 0; no run within a run.
   virtual void run(std::size_t count, std::size_t chunk_size, Work work, const void* context) = 0;
-  /// Calls work(context, line, step) once for each step, and returns when all are done. Requires: no run within a run.
+  /// Calls work(context, line, step) once for each step, and returns when all steps are done. Requires: no run within a
+  /// run.
   virtual void run_lines(const Lines& lines, LineWork work, const void* context) {
     for (std::size_t line = 0; line < lines.line_count; ++line)
       for (std::size_t step = 0; step < lines.step_count; ++step) work(context, line, step);
   }
-  /// How many chunks may run at once.
+  /// The number of chunks that can run at once.
   virtual unsigned width() const = 0;
 };
 
-/// How a simulation runs its loops: by a runner, or without one each loop as a single chunk.
+/// The execution of a simulation's loops: by a runner, or without a runner each loop as a single chunk.
 struct Parallel {
   ChunkRunner* runner = nullptr;
   std::size_t chunk_size_forced = 0;  // for tests: every loop in chunks of this size; 0: chosen for speed

@@ -1,11 +1,11 @@
-// The worker threads, and how they take chunks.
+// The worker threads, and their algorithm for taking chunks.
 // SPDX-License-Identifier: MIT
 //
 // A run distributes its chunks as one share per thread. One atomic word of a share holds the run number and the range
-// of chunks left; the job is stored next to the word. A thread takes a chunk by advancing the range with
+// of remaining chunks; the job is stored next to the word. A thread takes a chunk by advancing the range with
 // compare-and-swap. The operation fails if the run has changed since the job was read: a job is not replaced while a
-// chunk of its run is left. A thread that was asleep can join at any time. The caller waits only for chunks that other
-// threads have taken.
+// chunk of its run remains. A sleeping thread can therefore join at any time. The caller waits only for chunks that
+// other threads have taken.
 #include "base/parallel/workers.h"
 
 #include <string>
@@ -32,12 +32,12 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-constexpr std::chrono::microseconds idle_max{200};  // a worker spins for so long before it sleeps
-constexpr std::chrono::microseconds late_max{200};  // the caller spins for so long before it sleeps
+constexpr std::chrono::microseconds idle_max{200};  // a worker spins for this time before it sleeps
+constexpr std::chrono::microseconds late_max{200};  // the caller spins for this time before it sleeps
 constexpr unsigned spins_per_clock_check = 32;      // between two reads of the clock
 // If the caller waits longer than lost_least, a worker has lost its core. The caller then works alone, with exponential
-// backoff: for a multiple of the wait that doubles with each wait. The multiple is reset after a time without waits. A
-// core that another program uses then costs a few percent.
+// backoff: the time alone is a multiple of the wait, and the multiple doubles with each wait. The multiple is reset
+// after a time without waits. A core that another program uses then costs a few percent.
 constexpr std::chrono::microseconds lost_least{1000};
 constexpr int backoff_factor_min = 4;
 constexpr int backoff_factor_max = 64;
@@ -49,7 +49,7 @@ void relax() {
 #endif
 }
 
-/// Calls done() until it is true or `limit` has passed. True if it was.
+/// Calls done() until it returns true or `limit` has passed. Returns the last result of done().
 template <typename Done>
 bool spin(std::chrono::microseconds limit, Done done) {
   Clock::time_point end{};
@@ -80,8 +80,8 @@ Share unpacked(std::uint64_t word) {
           static_cast<std::uint32_t>(word & 0xffff)};
 }
 
-/// A share and the job of its run, in one cache line: a waiting thread reads both at once. The job is atomic because a
-/// late thread may read a job that it then does not run.
+/// A share and the job of its run, in one cache line, so that a waiting thread reads both at once. The job is atomic,
+/// since a late thread may read a job that it then does not run.
 struct alignas(64) Slot {
   std::atomic<std::uint64_t> share{0};
   std::atomic<std::size_t> count{0};
@@ -129,7 +129,7 @@ class Workers final : public ChunkRunner {
     if (lines_done_.size() < lines.line_count) lines_done_ = std::vector<LineProgress>(lines.line_count);
     for (std::size_t line = 0; line < lines.line_count; ++line)
       lines_done_[line].steps.store(0, std::memory_order_relaxed);
-    // A line is a chunk. All lines are in one share, so that a line is taken only after the lines before it.
+    // Each line is a chunk. All lines are in one share, so that threads take lines in order.
     const LineRun all{lines, work, context, lines_done_.data()};
     distribute(
         lines.line_count, 1, 1,
@@ -147,7 +147,7 @@ class Workers final : public ChunkRunner {
     LineProgress* done;  // [line]
   };
 
-  /// Runs chunks; `share_count`: number of threads that get a share.
+  /// Runs chunks. `share_count`: the number of threads that get a share.
   void distribute(std::size_t count, std::size_t chunk_size, std::size_t share_count, Work work, const void* context) {
     const std::size_t chunk_count = Parallel::chunk_count(count, chunk_size);
     if (chunk_count > chunk_count_max || is_alone()) {
@@ -177,7 +177,7 @@ class Workers final : public ChunkRunner {
   }
 
   static void run_line(const LineRun& run, std::size_t line) {
-    std::size_t ahead = line == 0 ? run.lines.step_count : 0;  // steps of the line before that are known to be done
+    std::size_t ahead = line == 0 ? run.lines.step_count : 0;  // known finished steps of the line before
     for (std::size_t step = 0; step < run.lines.step_count; ++step) {
       const std::size_t needed = std::min(step + run.lines.lag, run.lines.step_count);
       const auto may_go = [&] {
@@ -196,10 +196,10 @@ class Workers final : public ChunkRunner {
     return {index, begin, std::min(begin + chunk_size, count)};
   }
 
-  /// The order in which a thread tries the shares: its own, then those after it.
+  /// The order in which a thread tries the shares: its own share, then the shares after it.
   Slot& slot_of(unsigned self, std::size_t turn) { return slots_[(self + turn) % slots_.size()]; }
 
-  /// Takes chunks of a share until none is left. Returns how many.
+  /// Takes chunks of a share until none remains. Returns the number of taken chunks.
   static std::size_t take_chunks(Slot& slot) {
     std::size_t taken = 0;
     std::uint64_t word = slot.share.load(std::memory_order_acquire);
@@ -219,7 +219,7 @@ class Workers final : public ChunkRunner {
     }
   }
 
-  /// Reports to the caller the chunks that a worker has done.
+  /// Reports the finished chunks of a worker to the caller.
   void report(std::size_t taken) {
     if (taken == 0) return;
     done_.fetch_add(taken);
@@ -228,7 +228,7 @@ class Workers final : public ChunkRunner {
     finished_.notify_all();
   }
 
-  /// Until `count` chunks have been done by others.
+  /// Waits until other threads have finished `count` chunks.
   void wait_for(std::size_t count) {
     const auto all_done = [&] { return done_.load(std::memory_order_acquire) == count; };
     if (spin(late_max, all_done)) return;
@@ -275,19 +275,19 @@ class Workers final : public ChunkRunner {
       }
       if (stopping_.load(std::memory_order_relaxed)) return;
       seen = unpacked(slots_[self].share.load(std::memory_order_acquire)).run;
-      // Its own share first: a check of another share costs as much as a small chunk.
+      // A thread tries its own share first: a check of another share costs as much as a small chunk.
       for (std::size_t turn = 0; turn < slots_.size(); ++turn) report(take_chunks(slot_of(self, turn)));
     }
   }
 
   std::vector<Slot> slots_;                          // [thread]
   std::vector<LineProgress> lines_done_;             // [line]
-  alignas(64) std::atomic<std::size_t> done_{0};     // chunks of the run that others than the caller have done
+  alignas(64) std::atomic<std::size_t> done_{0};     // chunks of the run that other threads have finished
   std::atomic<bool> caller_waits_{false};            // asleep
   alignas(64) std::atomic<bool> some_sleep_{false};  // some worker sleeps and has not been woken
   std::atomic<bool> stopping_{false};
 
-  // The caller's own.
+  // For the caller alone.
   std::uint32_t run_ = 0;
   bool works_alone_ = false;
   int backoff_factor_ = backoff_factor_min;
