@@ -47,7 +47,7 @@ Shape shape_of(const std::string& kind) {
   return shape;
 }
 
-/// Pairs of shapes at random angles, their middles 0.8 m to 1.1 m apart: most touch, some not quite.
+/// Pairs of shapes at random angles, their centres 0.8 m to 1.1 m apart: most touch, some almost touch.
 void collide_pairs(benchmark::State& bench, const std::string& kind_a, const std::string& kind_b) {
   constexpr int pair_count = 256;
   Random random(7);
@@ -73,7 +73,7 @@ void collide_pairs(benchmark::State& bench, const std::string& kind_a, const std
   }
 }
 
-/// `moved`: share of the bodies that has moved since the last time, by a hundredth of a metre.
+/// `moved`: the share of the bodies that has moved by a hundredth of a metre since the last call.
 void find_pairs(benchmark::State& bench, engine::BroadPhaseKind kind, float moved) {
   const Scene scene = scene_of("mixed_pile?bodies=" + std::to_string(bench.range(0)));
   const f32::Model model = f32::make_model(scene);

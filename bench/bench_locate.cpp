@@ -1,12 +1,14 @@
 // A long recording with one flipped bit, and the time from the file to the named tick, column and body.
 // SPDX-License-Identifier: MIT
 //
-//   bench_locate record SCENE TICKS FLIP_TICK DETAIL OUT.ttr   records; at the end of FLIP_TICK one bit of a velocity
-//   flips bench_locate find FILE [THREADS]                            verifies it, prints wall time and what was found
+//   bench_locate record SCENE TICKS FLIP_TICK DETAIL OUT.ttr
+//     Records the scene. At the end of FLIP_TICK one bit of a velocity flips.
+//   bench_locate find FILE [THREADS]
+//     Verifies the file; prints the wall time and the findings.
 //
-// The flip is what a memory error or a race does to a recorder: it stays in the state, and all that follows is computed
-// from it, so every later hash and checkpoint agrees with the flipped run. DETAIL is root or full (ticks around the
-// flip).
+// The flip has the effect of a memory error or a race in a recorder. The bit stays in the state, and all later states
+// follow from it, so that every later hash and checkpoint agrees with the flipped run. DETAIL is root or full (ticks
+// around the flip).
 #include <charconv>
 #include <chrono>
 #include <cstdio>
@@ -26,7 +28,7 @@
 namespace ticktrue {
 namespace {
 
-/// The engine, in whose state one bit flips at the end of a tick.
+/// The engine with one flipped bit in its state at the end of a tick.
 class FlippedEngine : public Simulation {
  public:
   FlippedEngine(engine::Engine& real, std::uint64_t flip_tick) : real_(real), flip_tick_(flip_tick) {}
@@ -45,7 +47,7 @@ class FlippedEngine : public Simulation {
   }
 
  private:
-  /// The lowest bit of the first velocity lane of the row in the middle of the table bodies.
+  /// Flips the lowest bit of the first velocity lane in the middle row of the table bodies.
   void flip() {
     const StateSchema& schema = *real_.state().schema;
     Bytes image;

@@ -14,7 +14,7 @@
 namespace {
 
 constexpr int tick_count = 2'000;
-constexpr double tick_us = 1'000;  // that the share is of
+constexpr double tick_us = 1'000;  // the tick of which the share is taken
 
 struct Best {
   double marks_us = 1e9;

@@ -1,4 +1,4 @@
-// Time of the functions of ticktrue/math.h beside the C library's, in turn over the same arguments.
+// Time of the functions of ticktrue/math.h and of the C library's, in turn over the same arguments.
 // SPDX-License-Identifier: MIT
 #include <benchmark/benchmark.h>
 
@@ -35,7 +35,7 @@ Arguments<Real> arguments_in(Range x, Range y) {
   return arguments;
 }
 
-/// Nanoseconds a call.
+/// Nanoseconds per call.
 template <class Real, class Function>
 double time_of(const Arguments<Real>& arguments, Function function) {
   const auto begin = std::chrono::steady_clock::now();

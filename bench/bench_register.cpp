@@ -1,4 +1,4 @@
-// What it costs a program to register its tables: for the first tick, and again where they move in every tick.
+// The cost of registering a program's tables: at the first tick, and again if the tables move in every tick.
 // SPDX-License-Identifier: MIT
 //
 //   bench_register [TABLES COLUMNS]     300 tables of 20 columns unless told; best of 50, in microseconds
@@ -45,14 +45,14 @@ void move_rows(ticktrue_session* session) {
   for (const std::uint32_t number : numbers) ticktrue_rows(session, number, row.data(), 1);
 }
 
-/// Registers twice: anew, and again. Both are the best of all rounds.
+/// Registers for the first time, and again. Both times are the best of all rounds.
 int measure(const char* what, void (*first)(ticktrue_session*), void (*again)(ticktrue_session*)) {
   double first_us = 1e18, again_us = 1e18;
   for (int round = 0; round < round_count; ++round) {
     ticktrue_options options = {};
     options.struct_size = sizeof options;
     options.mode = TICKTRUE_RECORD;
-    options.path = "bench_register.ttr";  // never written: no tick begins
+    options.path = "bench_register.ttr";  // never written, since no tick begins
     options.name = "bench-register";
     options.flags = TICKTRUE_QUIET;
     ticktrue_session* session = ticktrue_open(&options);

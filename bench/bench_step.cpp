@@ -1,4 +1,5 @@
-// Time of a tick of a built-in scene, ours and Box2D's in turns in one process, so that both see the same machine.
+// Time of a tick of a built-in scene, ours and Box2D's in turn in one process, so that both run on the same machine
+// load.
 // SPDX-License-Identifier: MIT
 //
 // Each repeat makes both worlds again, steps tick 0 untimed (it builds what later ticks keep), then lets them take
@@ -33,8 +34,7 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-/// Seconds since some moment: of the wall, or of this thread's share of a core, which others cannot slow by being
-/// there.
+/// Seconds since a fixed time: of the wall clock, or of this thread's processor time, which other programs do not slow.
 enum class ClockUsed { wall, thread_cpu };
 double seconds_now(ClockUsed clock) {
 #if defined(CLOCK_THREAD_CPUTIME_ID)
@@ -81,7 +81,7 @@ Times times_of(std::vector<double> samples) {
   return {samples.front(), at(0.5), at(0.75) - at(0.25)};
 }
 
-// Milliseconds of one tick, from a block of them.
+// Milliseconds per tick, from a block of ticks.
 template <typename Step>
 double time_block(ClockUsed clock, std::uint64_t tick_count, Step step) {
   const double start = seconds_now(clock);
@@ -97,9 +97,9 @@ struct StageTime {
 struct Measured {
   Times ours;
   Times peer;                     // zero without a peer
-  std::vector<StageTime> stages;  // and the hash of the state; empty unless asked for
+  std::vector<StageTime> stages;  // and the hash of the state; empty unless requested
   std::size_t state_size = 0;     // bytes
-  std::size_t heap_size = 0;      // bytes that engine and state hold after the run; 0: not known
+  std::size_t heap_size = 0;      // bytes that engine and state hold after the run; 0: unknown
   std::size_t body_count = 0;
   std::size_t contact_count = 0;
   std::size_t peer_contact_count = 0;
@@ -179,7 +179,7 @@ Result<std::vector<StageTime>> measure_stages(const engine::Scene& scene, const 
   return times;
 }
 
-/// What our engine takes turns with.
+/// The opponent that takes turns with our engine.
 struct Peer {
   std::unique_ptr<verifier::Box2dPeer> box2d;
   std::unique_ptr<engine::Engine> one_thread;
@@ -235,7 +235,7 @@ Result<Measured> measure(const engine::Scene& scene, const BenchOptions& options
       if (peer) peers.push_back(time_block(options.clock, block, [&] { peer_did = peer.step(); }));
       tick += block;
     }
-    // Ticks that were not done cost nothing. After an error each further step gives it again.
+    // Failed ticks cost no time. After an error, each further step returns the same error.
     if (!did) return did.error();
     if (!peer_did) return peer_did.error();
     const std::uint64_t hash = root_hash(engine.state());
@@ -249,7 +249,7 @@ Result<Measured> measure(const engine::Scene& scene, const BenchOptions& options
           "record and verify the scene with --mode twice"};
     measured.hash = hash;
     measured.state_size = state_size(engine.state());
-    // The peer allocates too: only without one is the difference the engine's.
+    // The peer allocates, too. Without a peer, the difference is the engine's memory.
     if (!peer) measured.heap_size = heap_in_use() - heap_before;
     measured.body_count = engine.bodies().size();
     measured.contact_count = engine.contacts().size();

@@ -1,9 +1,9 @@
-// The experiments of the thesis again: time by shapes and integrators, broad phase on and off, clocks.
+// The experiments of the thesis, repeated: time by shapes and integrators, broad phase on and off, clocks.
 // SPDX-License-Identifier: MIT
 // Source: Claes, "Building a custom 2D physics engine in C++", 2024, sections 3.1 and 3.2 (scene, mixes, its numbers).
 //
-// Times are those that the thread computed in step() alone, the least of three runs, each the mean over its ticks.
-// Hashes are of the last state: the same on every machine.
+// A time is the processor time of the thread in step() alone: the mean over the ticks of a run, the least of three
+// runs. Hashes are of the last state and equal on every machine.
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
@@ -32,17 +32,17 @@ using engine::SolverKind;
 using verifier::TextTable;
 
 constexpr int repeat_count = 3;
-constexpr int fixed_count = 5;  // disc, block, floor, two walls come first
+constexpr int fixed_count = 5;  // disc, block, floor and two walls come first
 constexpr double px_per_m = 25;
 
-// ---- What the thesis found ----
+// ---- Results of the thesis ----
 
 enum class Mix : std::uint8_t { circles, circles_and_polygons, polygons, all };
 constexpr std::array<std::string_view, 4> mix_names{"circles", "circles, polygons", "polygons", "all shapes"};
 
 struct ThesisScheme {
   std::string_view name;  // in the thesis
-  IntegratorKind kind;    // what it is
+  IntegratorKind kind;    // the scheme that it is
   double ms[3];           // of an update with 150 bodies: circles, circles and polygons, polygons
 };
 constexpr std::array<ThesisScheme, 3> schemes{{{"Euler", IntegratorKind::semi_implicit_euler, {0.1747, 0.3891, 0.5640}},
@@ -67,7 +67,7 @@ constexpr std::array<ThesisClock, 3> clocks{{{5, 0, 143.2}, {10, 0, 108.9}, {15,
 Result<engine::Scene> mixed(int count, Mix mix) {
   auto scene = engine::make_builtin_scene("thesis_mix?bodies=" + std::to_string(std::max(count, 3)));
   if (!scene || mix == Mix::all) return scene;
-  // In turn a circle, a box and a polygon.
+  // A circle, a box and a polygon, in turn.
   const engine::Body circle = scene->bodies[fixed_count], polygon = scene->bodies[fixed_count + 2];
   for (std::size_t i = fixed_count; i < scene->bodies.size(); ++i) {
     engine::Body& body = scene->bodies[i];
@@ -134,7 +134,7 @@ Status performance() {
         const auto ours = time_of(*scene, warm_up, tick_count);
         if (!ours) return ours.error();
         use_thesis_solver(*scene);
-        // Its loop over all pairs takes as long in the air as in a heap, and with 10,000 bodies very long.
+        // The thesis' loop over all pairs takes as long in the air as in a heap. With 10,000 bodies it takes very long.
         const auto theirs = count < 10000 ? time_of(*scene, warm_up, tick_count) : time_of(*scene, 2, 3);
         if (!theirs) return theirs.error();
         table.add({std::to_string(count), std::string(mix_names[mix]), std::string(scheme.name),
@@ -195,7 +195,7 @@ struct Run {
   std::vector<double> dts;  // s, of the ticks
 };
 
-// `dts`: those of an earlier run instead of a clock.
+// `dts`: the dts of an earlier run, in place of a clock.
 Result<Run> run_for(const engine::Scene& scene, double seconds, std::uint64_t seed, const std::vector<double>* dts) {
   auto made = engine::make_engine(scene);
   if (!made) return made.error();

@@ -1,10 +1,10 @@
-// What recording and verifying cost beside the simulation alone, and the bytes they take: in turns in one process.
+// The cost of recording and verifying beside the simulation alone, and the bytes of both: in turn in one process.
 // SPDX-License-Identifier: MIT
 //
-// Every variant steps an engine of its own through the same ticks, in blocks of ticks that take turns, so that each
-// sees the same machine and the same state. A block's time over that of the plain block before it is one sample; what
-// is printed is the median of the samples. Verification is timed as a whole, run against run. Times are processor
-// time of the thread, kernel included: other programs do not show, nor does waiting for the disk.
+// Every variant steps its own engine through the same ticks. Blocks of ticks take turns, so that each variant has the
+// same machine load and the same state. One sample is a block's time divided by that of the plain block before it; the
+// output is the median of the samples. Verification is timed as a whole, run against run. Times are processor time of
+// the thread, kernel included: neither other programs nor waiting for the disk count.
 #include <fmt/format.h>
 #include <time.h>
 #include <unistd.h>
@@ -46,7 +46,7 @@ struct Clock {
 
 struct BenchOptions {
   std::string scene = "mixed_pile?bodies=1000";
-  std::uint64_t warmup = 120;      // ticks before the first that is timed: a pile has to come together
+  std::uint64_t warmup = 120;      // untimed ticks at the start: a pile has to form
   std::uint64_t tick_count = 400;  // timed
   std::uint64_t block_size = 10;
   std::uint64_t repeat_count = 3;
@@ -63,7 +63,7 @@ double microseconds(Clock::duration time) {
   return std::chrono::duration<double, std::micro>(time).count();
 }
 
-/// A file that is removed at the end.
+/// A file that its destructor removes.
 class ScratchFile {
  public:
   explicit ScratchFile(const char* name)
@@ -89,7 +89,7 @@ verifier::TraceChoices choices(replay::Detail detail, std::uint32_t checkpoint_i
   return made;
 }
 
-/// One way to run a tick, on an engine of its own.
+/// A way to run a tick, on its own engine.
 class Variant {
  public:
   Variant(const engine::Scene& scene, std::optional<replay::Detail> detail) : engine_(*engine::make_engine(scene)) {
@@ -110,7 +110,7 @@ class Variant {
       TICKTRUE_ASSERT(engine_->step(input_, nullptr));
       return;
     }
-    // As replay::record does.
+    // In the same way as replay::record.
     TICKTRUE_ASSERT(writer_->begin_tick(input_));
     TICKTRUE_ASSERT(engine_->step(input_, nullptr));
     TICKTRUE_ASSERT(!find_non_finite(engine_->state()));
@@ -235,7 +235,7 @@ void measure_verify(const engine::Scene& scene, const BenchOptions& options, Mea
   measured.verify_ratio = median(std::move(ratios));
 }
 
-/// A measure, the bar it is held to, and how it is printed.
+/// A measure, its bound, and the format of its output.
 struct Line {
   const char* name;
   double value;
