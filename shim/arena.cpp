@@ -1,7 +1,7 @@
-// A reserved range of addresses in stripes. Freed blocks are used again by size.
+// A reserved range of addresses in stripes. Freed blocks are reused by size.
 // SPDX-License-Identifier: MIT
 //
-// The first stripe is used from its begin, the others from their end.
+// The first stripe is used from its begin, the other stripes from their end.
 #include "shim/arena.h"
 
 #include <pthread.h>
@@ -15,14 +15,14 @@ namespace {
 
 constexpr std::size_t stripe_size = std::size_t{1} << 32;
 constexpr std::size_t stripe_count = 16;
-constexpr std::size_t unit = 64;              // bytes: blocks are multiples of it
-constexpr std::size_t unit_count_max = 4096;  // greater blocks give their pages back when freed
+constexpr std::size_t unit = 64;              // bytes: block sizes are multiples of it
+constexpr std::size_t unit_count_max = 4096;  // larger blocks return their pages to the system when freed
 constexpr std::size_t page_size = 4096;
 
-/// Directly before each block.
+/// The header directly before each block.
 struct Header {
   std::uint64_t whole;   // bytes with header and gap
-  std::uint64_t offset;  // from the begin of the whole to the block
+  std::uint64_t offset;  // from the begin of `whole` to the block
 };
 
 struct FreeBlock {
@@ -32,7 +32,7 @@ struct FreeBlock {
 char* arena = nullptr;
 bool has_failed = false;
 char* stripe_ends[stripe_count];
-char* first_stripe_begin = nullptr;  // of addresses that rise
+char* first_stripe_begin = nullptr;  // for rising addresses
 FreeBlock* free_blocks[unit_count_max];
 int arena_lock = 0;
 
@@ -66,7 +66,7 @@ Header* header_of(void* block) {
   return static_cast<Header*>(block) - 1;
 }
 
-/// Offset of blocks that ask for no alignment of their own: freed ones of this kind are used again.
+/// The offset of blocks without an alignment of their own. Only freed blocks with this offset are reused.
 std::size_t usual_step(std::uint32_t most_alignment) {
   return most_alignment != 0 ? most_alignment : sizeof(Header);
 }
@@ -86,7 +86,7 @@ std::size_t arena_size(const void* block) {
 
 void* arena_allocate(std::size_t alignment, std::size_t size, std::uint32_t order, std::uint32_t most_alignment,
                      std::uint64_t number) {
-  // The block begins at an odd multiple of `step`: aligned to it and to nothing greater.
+  // The block begins at an odd multiple of `step`: it is aligned to `step` and to no larger power of two.
   std::size_t step = usual_step(most_alignment);
   if (step < alignment) step = alignment;
   const std::size_t boundary = 2 * step < unit ? unit : 2 * step;

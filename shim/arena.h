@@ -1,4 +1,4 @@
-// Blocks of memory at addresses that fall or are scattered, and with a given alignment.
+// Blocks of memory at falling or scattered addresses, and with a given alignment.
 // SPDX-License-Identifier: MIT
 #pragma once
 
@@ -7,7 +7,7 @@
 
 namespace ticktrue::shim {
 
-/// `order` and `most_alignment` as in Settings. Null: the arena is full, or there is none.
+/// `order` and `most_alignment` as in Settings. Null: the arena is full, or could not be reserved.
 void* arena_allocate(std::size_t alignment, std::size_t size, std::uint32_t order, std::uint32_t most_alignment,
                      std::uint64_t number);
 void arena_free(void* block);

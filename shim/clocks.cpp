@@ -51,7 +51,7 @@ std::int64_t offset_ns(clockid_t clock) {
   return (is_wall_clock(clock) ? settings().realtime_offset_s : settings().monotonic_offset_s) * second_ns;
 }
 
-/// What each clock said when this process began to look: from there on the rate counts.
+/// The value of each clock when this process first read it. From this time on the rate applies.
 std::int64_t start_of(clockid_t clock) {
   static std::int64_t wall = 0;
   static std::int64_t steady = 0;
@@ -80,7 +80,7 @@ bool is_shifted() {
   return settings().clock_mode == mode_shifted;
 }
 
-/// A deadline by a clock that is shown shifted, as the system's clock has it.
+/// Converts a deadline by a clock that is shown shifted to a deadline of the system's clock.
 timespec* real_deadline(clockid_t clock, const timespec* shown, timespec* room) {
   *room = *shown;
   if (!is_shifted() || is_process_clock(clock)) {
@@ -143,7 +143,7 @@ TICKTRUE_SHIM_API int timespec_get(timespec* time, int base) noexcept {
   return base;
 }
 
-// A virtual clock goes on at once.
+// A virtual clock advances at once.
 TICKTRUE_SHIM_API int nanosleep(const timespec* length, timespec* left) {
   static int (*real)(const timespec*, timespec*) = nullptr;
   if (settings().clock_mode != mode_virtual) return real_function(real, "nanosleep")(length, left);
@@ -178,7 +178,7 @@ TICKTRUE_SHIM_API int clock_nanosleep(clockid_t clock, int flags, const timespec
 TICKTRUE_SHIM_API int pthread_cond_timedwait(pthread_cond_t* condition, pthread_mutex_t* mutex,
                                              const timespec* deadline) {
   static int (*real)(pthread_cond_t*, pthread_mutex_t*, const timespec*) = nullptr;
-  // The clock of the condition is not known here: a deadline near the steady clock is of that.
+  // The clock of the condition is unknown here. A deadline near the steady clock is taken as a deadline of that clock.
   timespec steady{};
   real_time(CLOCK_MONOTONIC, &steady);
   const std::int64_t shown_steady = ns_of(steady) + offset_ns(CLOCK_MONOTONIC);

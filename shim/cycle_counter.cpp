@@ -1,8 +1,8 @@
-// Reads of the cycle counter: the system traps the instruction, and this file takes its place.
+// Reads of the cycle counter: the system traps the instruction, and this file replaces it.
 // SPDX-License-Identifier: MIT
 //
-// The kernel lets a process have its rdtsc and rdtscp end in SIGSEGV (PR_SET_TSC). The setting is of a thread; new
-// threads inherit it. The clock of the system is read by rdtsc in the vDSO: there the true value is given.
+// The kernel can make a process's rdtsc and rdtscp end in SIGSEGV (PR_SET_TSC). The setting belongs to a thread; new
+// threads inherit it. The system's own clock uses rdtsc in the vDSO, which gets the true value.
 #include <pthread.h>
 #include <signal.h>
 #include <sys/auxv.h>
@@ -24,7 +24,7 @@ constexpr std::uintptr_t vdso_size = 4 * 4096;
 
 bool is_trapping = false;
 std::uint64_t virtual_cycles = 0;
-struct sigaction program_action {};  // what the program wants at SIGSEGV
+struct sigaction program_action {};  // the program's own action for SIGSEGV
 
 using SetAction = int (*)(int, const struct sigaction*, struct sigaction*);
 int set_action(int number, const struct sigaction* action, struct sigaction* before) {
@@ -32,7 +32,7 @@ int set_action(int number, const struct sigaction* action, struct sigaction* bef
   return real_function(real, "sigaction")(number, action, before);
 }
 
-/// Bytes of rdtsc or rdtscp at an address; 0: neither.
+/// Size of the rdtsc or rdtscp at an address, bytes; 0: another instruction.
 std::size_t instruction_size(const unsigned char* at) {
   if (at[0] != 0x0f) return 0;
   if (at[1] == 0x31) return 2;
@@ -51,7 +51,7 @@ std::uint64_t shown_cycles(std::uint64_t real) {
   return real + shift_cycles;
 }
 
-/// A fault of the program goes to the program: its instruction runs again, or the signal is sent again.
+/// Passes a fault of the program on to the program: its instruction runs again, or the signal is raised again.
 void hand_over(const siginfo_t& info) {
   is_trapping = false;
   set_action(SIGSEGV, &program_action, nullptr);
@@ -79,7 +79,7 @@ void take_place(int, siginfo_t* info, void* with) {
   registers[REG_RIP] = static_cast<greg_t>(next);
 }
 
-/// A program that a child process begins may not have this library.
+/// The program that a child process starts may run without this library.
 void end_in_child() {
   ::prctl(PR_SET_TSC, PR_TSC_ENABLE, 0, 0, 0);
 }

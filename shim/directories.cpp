@@ -18,7 +18,7 @@ constexpr std::uint32_t order_by_name = 2;
 
 using Read = dirent* (*)(DIR*);
 
-/// A folder that is being read.
+/// A folder in reading.
 struct Listing {
   DIR* folder = nullptr;
   dirent** entries = nullptr;
@@ -35,7 +35,7 @@ Listing** find(DIR* folder) {
   return at;
 }
 
-/// Some total order of the entries, also where the file system gives them in order of name.
+/// A total order of the entries. It differs from the file system's order unless that is by name.
 bool comes_before(const dirent* a, const dirent* b) {
   return ::strcmp(a->d_name, b->d_name) < 0;
 }
@@ -94,7 +94,7 @@ dirent* read_entry(DIR* folder, Read real) {
   return entry;
 }
 
-/// The first call for a folder decides for all of them.
+/// The first call for a folder decides for all calls.
 dirent* read_next(DIR* folder, Read real) {
   if (settings().directory_mode == 0) {
     begin_call(Function::readdir);

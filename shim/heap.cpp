@@ -1,4 +1,4 @@
-// malloc and its family: fresh and freed blocks are filled, or lie elsewhere.
+// malloc and its family: fresh and freed blocks are filled, or are placed elsewhere.
 // SPDX-License-Identifier: MIT
 #include <errno.h>
 #include <string.h>
@@ -40,7 +40,7 @@ bool wants_arena() {
   return settings().heap_order != 0 || settings().heap_alignment != 0 || settings().heap_kept != 0;
 }
 
-/// A block that is not filled.
+/// Allocates a block without filling it.
 void* place(const Call& call, std::size_t alignment, std::size_t size) {
   if (call.is_changed && settings().heap_kept != 0) {
     if (void* block = kept_allocate(alignment, size); block != nullptr) return block;

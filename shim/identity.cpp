@@ -1,4 +1,4 @@
-// Who the machine and the process are: another name of the machine, a fixed process number.
+// The identity of machine and process: another host name, a fixed process number.
 // SPDX-License-Identifier: MIT
 #include <errno.h>
 #include <string.h>

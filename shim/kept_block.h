@@ -1,4 +1,4 @@
-// A block of the heap of `ticktrue unsaved`, as the preload library and the session see it.
+// A block of the heap of `ticktrue unsaved`, shared by the preload library and the session.
 // SPDX-License-Identifier: MIT
 #pragma once
 
@@ -10,7 +10,7 @@ namespace ticktrue::shim {
 inline constexpr std::size_t kept_depth_max = 14;
 inline constexpr std::uint64_t kept_magic = 0x6b636f6c6274706b;
 
-/// Blocks lie one after another. The header stands before each.
+/// Blocks are contiguous. The header of each block is before it.
 struct alignas(16) KeptBlock {
   std::uint64_t magic;
   std::uint64_t whole;    // bytes to the next header
@@ -22,15 +22,15 @@ struct alignas(16) KeptBlock {
   std::uint32_t spare;
   const void* stack[kept_depth_max];  // return addresses, the innermost first
   KeptBlock* next_free;
-  KeptBlock* self;  // directly before the block, wherever that begins
+  KeptBlock* self;  // directly before the block, wherever the block begins
 };
 
-/// What the session asks of the heap.
+/// The heap's values that the session reads.
 struct KeptHeap {
   char* begin;              // null: no block was allocated
-  char* top;                // behind the last block
+  char* top;                // after the last block
   std::uint64_t number;     // of allocations
-  std::uint32_t has_reuse;  // 0: no freed block is used again
+  std::uint32_t has_reuse;  // 0: no freed block is reused
 };
 
 }  // namespace ticktrue::shim

@@ -1,4 +1,4 @@
-// One reserved range of addresses. Freed blocks are used again by size, unless the session forbids it.
+// One reserved range of addresses. Freed blocks are reused by size, unless the session forbids it.
 // SPDX-License-Identifier: MIT
 #include "shim/kept_heap.h"
 
@@ -14,11 +14,11 @@ namespace ticktrue::shim {
 namespace {
 
 constexpr std::size_t range_size = std::size_t{1} << 36;
-constexpr std::size_t unit = 16;                          // bytes: blocks are multiples of it
-constexpr std::size_t class_count = 4096;                 // of sizes that are used again
-constexpr std::size_t large_size = std::size_t{1} << 20;  // bytes: freed pages of such blocks go back
+constexpr std::size_t unit = 16;                          // bytes: block sizes are multiples of it
+constexpr std::size_t class_count = 4096;                 // of sizes that are reused
+constexpr std::size_t large_size = std::size_t{1} << 20;  // bytes: freed pages of larger blocks return to the system
 constexpr std::size_t page_size = 4096;
-constexpr std::uint64_t stack_count_max = 2'000'000;  // allocations whose stack is recorded
+constexpr std::uint64_t stack_count_max = 2'000'000;  // allocations with a recorded stack
 
 KeptHeap heap{nullptr, nullptr, 0, 1};
 bool has_failed = false;
@@ -56,7 +56,7 @@ KeptBlock* header_of(const void* block) {
   return static_cast<KeptBlock* const*>(block)[-1];
 }
 
-/// From the lists of freed blocks, or behind the last block.
+/// Takes a block from the lists of freed blocks, or after the last block.
 KeptBlock* take(std::size_t whole) {
   KeptBlock*& list = free_blocks[whole / unit < class_count ? whole / unit : 0];
   if (heap.has_reuse != 0 && whole / unit < class_count && list != nullptr) {
@@ -141,7 +141,8 @@ void kept_free(void* at) {
 
 using namespace ticktrue::shim;
 
-/// For the session of the program: what the heap is. With `wanted`, its top and whether blocks are used again are set.
+/// For the session of the program: reads the values of the heap. `wanted`: its top, number and `has_reuse` are set
+/// first.
 TICKTRUE_SHIM_API void ticktrue_shim_heap(KeptHeap* found, const KeptHeap* wanted) {
   const Locked locked;
   if (wanted != nullptr) {

@@ -1,4 +1,4 @@
-// The heap of `ticktrue unsaved`: blocks that lie one after another and know where they were allocated.
+// The heap of `ticktrue unsaved`: contiguous blocks that record where they were allocated.
 // SPDX-License-Identifier: MIT
 #pragma once
 

@@ -1,4 +1,4 @@
-// libm: results one ulp off, as another library or processor may have them; a log of all calls.
+// libm: results off by one ulp, as another library or processor may return them; a log of all calls.
 // SPDX-License-Identifier: MIT
 #include <string.h>
 
@@ -9,7 +9,7 @@ namespace {
 
 constexpr std::uint32_t mode_up = 1;
 constexpr std::uint32_t mode_down = 2;
-// Results with so many trailing zero bits are exact: every library has them.
+// A result with this many trailing zero bits is exact: every library returns it.
 constexpr int exact_bits_double = 24;
 constexpr int exact_bits_float = 9;
 

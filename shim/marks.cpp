@@ -1,4 +1,4 @@
-// Marks of calls: the session of the program takes them as if the program had made them.
+// Marks of calls: the session of the program takes them as marks of the program.
 // SPDX-License-Identifier: MIT
 #include "shim/shim.h"
 
@@ -37,7 +37,7 @@ void mark_call(Function function, std::uint64_t value, const void* caller) {
 }
 
 void mark_bytes(Function function, const void* bytes, std::size_t size, const void* caller) {
-  // Up to 8 bytes are the value itself. Source: FNV-1a for more.
+  // Up to 8 bytes are the value itself. Source for more bytes: FNV-1a.
   std::uint64_t value = size > 8 ? 0xcbf29ce484222325 : 0;
   const auto* at = static_cast<const unsigned char*>(bytes);
   for (std::size_t i = 0; i < size; ++i)
@@ -49,7 +49,7 @@ void mark_bytes(Function function, const void* bytes, std::size_t size, const vo
 
 using namespace ticktrue::shim;
 
-/// Called by the session, before its first tick and at its end. `groups`: bits by number; 0: none.
+/// The session calls this before its first tick and at its end. `groups`: bits by number; 0: none.
 TICKTRUE_SHIM_API void ticktrue_shim_calls(CallSink sink, void* with, std::uint32_t groups) {
   __atomic_store_n(&wanted_groups, 0, __ATOMIC_RELEASE);
   wanted = {sink, with};

@@ -3,8 +3,7 @@
 //
 // `ticktrue shake` makes a file for each run, and names it in the variable TICKTRUE_SHAKE. The session (capi/) and the
 // preload library (shim/) map the file. The session writes the tick. The preload library reads the tick and the
-// settings, counts calls and records some of them. Nothing is sent, so that a program which crashes leaves all of it
-// behind.
+// settings, counts calls and records some of them. All data stay in the file, even if the program crashes.
 #pragma once
 
 #include <cstddef>
@@ -13,12 +12,12 @@
 namespace ticktrue::shim {
 
 inline constexpr const char* page_variable = "TICKTRUE_SHAKE";
-/// The variable names a file. A session that ends appends a line for the program and for each shared library that is
-/// mapped then, its path; and an empty line.
+/// The variable names a file. A session that ends appends lines to it: the paths of the program and of each shared
+/// library that is mapped at this time, and an empty line.
 inline constexpr const char* mapped_variable = "TICKTRUE_MAPPED";
 inline constexpr std::uint64_t page_magic = 0x31656b6168737474;  // "ttshake1"
 
-/// Calls are numbered within a group, from 0 at the start of the process. Calls made by libticktrue do not count.
+/// Calls are numbered within a group, from 0 at the start of the process. Calls from libticktrue are not counted.
 enum class Group : std::uint32_t {
   heap,
   clock,
@@ -35,7 +34,7 @@ enum class Group : std::uint32_t {
 };
 inline constexpr std::size_t group_count = 12;
 
-// name, group. Of a float function and its double twin each has a row.
+// name, group. A float function and its double version have one row each.
 #define TICKTRUE_SHIM_LIBM_1(X)                                                                                        \
   X(sin)                                                                                                               \
   X(cos)                                                                                                               \
@@ -62,7 +61,7 @@ inline constexpr std::size_t group_count = 12;
                   X(sched_getaffinity, processors) X(qsort, sort) X(sincos, libm) X(sincosf, libm)       \
                       X(gethostname, identity) X(uname, identity) X(getpid, identity) X(rdtsc, cycle_counter)
 
-/// Functions that the preload library takes the place of.
+/// Functions that the preload library replaces.
 enum class Function : std::uint32_t {
 #define TICKTRUE_SHIM_NAME(name, group) name,
   TICKTRUE_SHIM_OTHERS(TICKTRUE_SHIM_NAME)
@@ -88,8 +87,8 @@ inline constexpr FunctionInfo functions[] = {
 };
 static_assert(sizeof functions / sizeof functions[0] == function_count);
 
-/// What the session of a program has called for each call of a group. `name`: of the function, as in "libc.rand";
-/// `value`: its result; `caller`: where it returns to. The calling thread may be any.
+/// The session of a program receives each call of a group in this function. `name`: of the function, as in "libc.rand";
+/// `value`: its result; `caller`: its return address. Any thread may call it.
 using CallSink = void (*)(void* with, const char* name, std::uint64_t value, const void* caller);
 
 /// Calls [first, end) of a group.
@@ -100,34 +99,34 @@ struct CallRange {
 
 inline constexpr std::size_t call_range_count_max = 1024;
 inline constexpr int heap_fill_off = -1;
-inline constexpr int heap_fill_varied = 256;  // another byte for each block
+inline constexpr int heap_fill_varied = 256;  // a different byte for each block
 
-/// What the preload library changes. All zero but the fills: nothing.
+/// The changes of the preload library. If all values but the fills are zero, it changes nothing.
 struct Settings {
-  std::int32_t heap_fill = heap_fill_off;   // a byte: of fresh and of freed blocks
-  std::int32_t stack_fill = heap_fill_off;  // a byte: below the stack, at the start and before each tick
-  std::uint32_t heap_order = 0;             // 1: falling addresses, 2: scattered ones
-  std::uint32_t heap_alignment = 0;         // 16, 32, 64: blocks begin at such a multiple and at no greater one
-  std::uint32_t heap_kept = 0;              // 1: blocks know where they were allocated (kept_block.h)
+  std::int32_t heap_fill = heap_fill_off;   // a byte for fresh and for freed blocks
+  std::int32_t stack_fill = heap_fill_off;  // a byte, below the stack, at the start and before each tick
+  std::uint32_t heap_order = 0;             // 1: falling addresses, 2: scattered addresses
+  std::uint32_t heap_alignment = 0;         // 16, 32, 64: blocks begin at such a multiple, and at no larger one
+  std::uint32_t heap_kept = 0;              // 1: blocks record where they were allocated (kept_block.h)
   std::uint32_t clock_mode = 0;             // 1: shifted, 2: virtual (each call is 10 us later)
-  std::uint32_t random_mode = 0;            // 1: bytes that follow from the seed
-  std::uint32_t rand_mode = 0;              // 1: other numbers, 2: one number is drawn and dropped before
+  std::uint32_t random_mode = 0;            // 1: bytes from the seed
+  std::uint32_t rand_mode = 0;              // 1: other numbers, 2: one number is drawn and dropped first
   std::uint32_t directory_mode = 0;         // 1: reversed, 2: by name, 3: by name, reversed
   std::uint32_t thread_delay_us = 0;        // at most: before a thread begins
-  std::uint32_t threads_in_turn = 0;        // 1: who starts a thread waits until it has ended, 20 ms at most
+  std::uint32_t threads_in_turn = 0;        // 1: the starter of a thread waits for its end, 20 ms at most
   std::uint32_t lock_delay_us = 0;          // at most: before some locks
-  std::uint32_t processor_count = 0;        // that the system seems to have
-  std::uint32_t sort_mode = 0;              // 1: equal elements come in the reverse order
-  std::uint32_t libm_mode = 0;              // 1: one ulp up, 2: one ulp down, 3: one or the other
+  std::uint32_t processor_count = 0;        // as shown to the program
+  std::uint32_t sort_mode = 0;              // 1: equal elements are in reverse order
+  std::uint32_t libm_mode = 0;              // 1: one ulp up, 2: one ulp down, 3: one of both
   std::uint32_t float_mode = 0;             // 1: flush to zero, 2: round up, 3: round down, 4: keep denormal numbers
-  std::uint32_t host_mode = 0;              // 1: another name of the machine
-  std::uint32_t process_mode = 0;           // 1: getpid gives a fixed number
+  std::uint32_t host_mode = 0;              // 1: another host name
+  std::uint32_t process_mode = 0;           // 1: getpid returns a fixed number
   std::uint32_t cycle_mode = 0;             // of rdtsc. 1: shifted, 2: virtual (each read is 1000 cycles later)
   std::int64_t realtime_offset_s = 0;
   std::int64_t monotonic_offset_s = 0;
   double clock_rate = 1;
   std::uint64_t seed = 1;
-  // Where. Ticks count from 0; what is before the first tick counts as tick 0.
+  // The range of changes. Ticks count from 0. The time before the first tick counts as tick 0.
   std::uint64_t tick_first = 0;
   std::uint64_t tick_last = ~std::uint64_t{0};
   std::uint32_t call_range_count = 0;  // 0: all calls; ascending
@@ -144,15 +143,15 @@ inline constexpr std::size_t call_record_count_max = 64;
 
 /// An address as a module and the offset in it.
 struct CodePlace {
-  std::uint32_t module;  // module_count_max: not known
+  std::uint32_t module;  // module_count_max: unknown
   std::uint32_t reserved;
   std::uint64_t offset;
 };
 
 struct CallRecord {
   std::uint64_t number;    // in its group
-  std::uint64_t position;  // as that of Page
-  std::uint64_t size;      // of the block that malloc and the like were asked for
+  std::uint64_t position;  // as Page::session.position
+  std::uint64_t size;      // the block size requested from malloc and the like
   std::uint32_t function;
   std::uint32_t nth;  // call of this function at this position, from 1
   std::uint32_t depth;
@@ -165,25 +164,25 @@ struct Module {
   char path[module_path_size];
 };
 
-/// The begin of the page, written by the session. Its layout stays: a program may have an older libticktrue.
+/// The begin of the page, which the session writes. Its layout never changes: a program may have an older libticktrue.
 struct SessionPart {
   std::uint64_t magic;
   std::int32_t session_process;  // 0: no session was opened
-  std::int32_t library_thread;   // the thread that is inside of libticktrue; 0: none
-  std::uint64_t position;        // 0: before the first tick; 2 t + 1: in tick t; 2 t + 2: behind it
+  std::int32_t library_thread;   // the thread inside libticktrue; 0: none
+  std::uint64_t position;        // 0: before the first tick; 2 t + 1: in tick t; 2 t + 2: after tick t
 };
 
 struct Page {
   SessionPart session;
-  std::uint64_t size;  // of the page: tool and preload library must be of one version
+  std::uint64_t size;  // of the page: tool and preload library must have the same version
   Settings settings;
-  // Written by the preload library, for the process of the session.
+  // Written by the preload library for the process of the session.
   std::uint32_t is_loaded;
   std::uint32_t record_count;
   std::uint32_t module_count;
   std::uint32_t reserved;
   std::uint64_t call_counts[function_count];  // all of them
-  std::uint64_t tick_counts[function_count];  // of them those inside of ticks
+  std::uint64_t tick_counts[function_count];  // calls inside ticks
   std::uint64_t changed_count;                // calls that were changed
   CallRecord records[call_record_count_max];
   Module modules[module_count_max];
@@ -204,7 +203,7 @@ struct LibmCall {
 inline constexpr std::uint64_t libm_log_count_max = 1u << 20;
 
 struct LibmLog {
-  std::uint64_t count;  // of calls, also of those that have no room
+  std::uint64_t count;  // of all calls, including calls beyond the capacity
   LibmCall calls[libm_log_count_max];
 };
 

@@ -14,8 +14,8 @@
 namespace ticktrue::shim {
 namespace {
 
-constexpr std::size_t device_size = 1u << 16;  // bytes that a random device gives here
-constexpr std::size_t entropy_size_max = 256;  // of getentropy
+constexpr std::size_t device_size = 1u << 16;  // size of a random device's replacement
+constexpr std::size_t entropy_size_max = 256;  // limit of getentropy
 constexpr std::uint32_t rand_other = 1;
 constexpr std::uint32_t rand_drawn = 2;
 constexpr unsigned rand_bits = 0x2a5a5a5au & 0x7fffffffu;
@@ -39,7 +39,7 @@ bool is_random_device(const char* path) {
   return path != nullptr && (::strcmp(path, "/dev/urandom") == 0 || ::strcmp(path, "/dev/random") == 0);
 }
 
-/// A file whose bytes follow from the seed; -1: none could be made.
+/// A file whose bytes follow from the seed; -1: the file could not be made.
 int open_stream() {
   const int file = ::memfd_create("random", 0);
   if (file < 0) return -1;
@@ -76,7 +76,7 @@ T changed_draw(const Call& call, Draw&& draw, T (*other)(T)) {
   return settings().rand_mode == rand_other ? other(found) : found;
 }
 
-/// Draws of the generators of the C library: `draw` gives the next.
+/// Draws of the generators of the C library. `draw` returns the next number.
 template <typename T, typename Draw>
 T drawn(Function function, Draw&& draw, T (*other)(T), const void* caller) {
   const T value = changed_draw<T>(begin_call(function), draw, other);
@@ -141,7 +141,7 @@ TICKTRUE_SHIM_API std::uint32_t arc4random_uniform(std::uint32_t end) {
   return static_cast<std::uint32_t>(std::uint64_t{value} * end >> 32);
 }
 
-// std::random_device::_M_getval(): it may use an instruction of the processor, which no library stands in front of.
+// std::random_device::_M_getval(): it may use an instruction of the processor, which no library can replace.
 TICKTRUE_SHIM_API unsigned _ZNSt13random_device9_M_getvalEv(void* device) {
   static unsigned (*real)(void*) = nullptr;
   unsigned value = 0;

@@ -1,4 +1,4 @@
-// The page, the choice of calls, records of calls with their stack.
+// The page, the choice of calls, and records of calls with their stack.
 // SPDX-License-Identifier: MIT
 #include "shim/shim.h"
 
@@ -24,14 +24,14 @@ Page* attached = nullptr;
 LibmLog* libm_log = nullptr;
 int own_process = 0;
 
-// Counts of this process. Those of the session's process are published in the page.
+// Counts of this process. The page publishes those of the session's process.
 std::uint64_t group_counts[group_count];
 std::uint64_t call_counts[function_count];
 std::uint64_t tick_counts[function_count];
 std::uint64_t changed_count;
 bool is_published = false;
 
-// Of the present position: calls of each function.
+// Calls of each function at the present position.
 std::uint64_t nth_position[function_count];
 std::uint32_t nth_counts[function_count];
 
@@ -54,7 +54,7 @@ void* map_file(const char* path, std::size_t size) {
   return at == MAP_FAILED ? nullptr : at;
 }
 
-/// Once, at the first call of any function of this library.
+/// Runs once, at the first call of any function of this library.
 void attach() {
   const Inside inside;
   own_process = static_cast<int>(::syscall(SYS_getpid));
@@ -75,11 +75,11 @@ void attach() {
   __atomic_store_n(&attached, found, __ATOMIC_RELEASE);
   if (found->settings.logged.end > 0) {
     void* stack[2];
-    ::backtrace(stack, 2);  // loads the unwinder now, not within the call that is recorded
+    ::backtrace(stack, 2);  // loads the unwinder now, not during the recorded call
   }
 }
 
-/// The process of the session publishes; without a session, each.
+/// The process of the session publishes its counts; without a session, every process does.
 bool is_publishing(Page& shared) {
   const std::int32_t process = __atomic_load_n(&shared.session.session_process, __ATOMIC_RELAXED);
   return process == own_process || process == 0;
@@ -94,7 +94,7 @@ void publish_all(Page& shared) {
   is_published = true;
 }
 
-/// The module with this base, as an index.
+/// The index of the module with this base.
 std::uint32_t module_of(Page& shared, const Dl_info& info) {
   const auto base = reinterpret_cast<std::uint64_t>(info.dli_fbase);
   for (std::uint32_t i = 0; i < shared.module_count; ++i)
@@ -148,7 +148,7 @@ __attribute__((noinline)) void record_call(Page& shared, Function function, std:
     if (trapped_at != nullptr) record.stack[record.depth++] = place_of(shared, trapped_at);
     for (int i = 0; i < depth && record.depth < stack_depth_max; ++i) {
       Dl_info info{};
-      if (::dladdr(stack[i], &info) != 0 && info.dli_fbase == own.dli_fbase) continue;  // of this library
+      if (::dladdr(stack[i], &info) != 0 && info.dli_fbase == own.dli_fbase) continue;  // a frame of this library
       record.stack[record.depth++] = place_of(shared, stack[i]);
     }
     ++shared.record_count;
@@ -170,7 +170,7 @@ bool is_in_ranges(const Settings& chosen, std::uint64_t number) {
   return low < chosen.call_range_count && chosen.call_ranges[low].first <= number;
 }
 
-/// The tick that a position belongs to: what is before a tick belongs to it.
+/// Whether the tick of a position is chosen. The time before a tick belongs to this tick.
 bool is_chosen_position(const Settings& chosen, std::uint64_t position) {
   const std::uint64_t tick = position / 2;
   return tick >= chosen.tick_first && tick <= chosen.tick_last;

@@ -1,7 +1,7 @@
-// Parts of the preload library: the page, which calls are changed, and records of calls.
+// Parts of the preload library: the page, the choice of changed calls, and records of calls.
 // SPDX-License-Identifier: MIT
 //
-// The library uses the C library and nothing else: no exception, no static constructor, no allocation through malloc.
+// The library uses only the C library: no exception, no static constructor, no allocation through malloc.
 #pragma once
 
 #include <dlfcn.h>
@@ -12,28 +12,29 @@
 
 namespace ticktrue::shim {
 
-/// The page of this run; without a launcher, one on which everything is off.
+/// The page of this run. Without a launcher, a page with everything off.
 Page& page();
 inline const Settings& settings() {
   return page().settings;
 }
 
-/// Counts a call. Says whether it is one of those that are to be changed. `stack_size`: what malloc was asked for.
-/// False and not counted: inside of libticktrue, and inside of this library.
+/// A counted call, and whether it is to be changed. Calls from libticktrue and from this library are neither counted
+/// nor changed.
 struct Call {
   bool is_changed = false;
   std::uint64_t number = 0;
 };
-/// `trapped_at`: of an instruction that stands for a call, the address behind it.
+/// Counts a call. `size`: requested from malloc. `trapped_at`: for an instruction in place of a call, the address after
+/// it.
 Call begin_call(Function function, std::uint64_t size = 0, const void* trapped_at = nullptr);
 
-/// A call was in fact changed. Calls that are chosen and come out the same do not count.
+/// Counts a call that was changed. A chosen call with an unchanged result does not count.
 void count_change();
 
-/// Whether the present tick is one in which something is changed.
+/// Whether the present tick is one of the chosen ticks.
 bool is_chosen_tick();
 
-/// While it lives, calls of this thread are neither counted nor changed.
+/// During its lifetime, calls of this thread are neither counted nor changed.
 class Inside {
  public:
   Inside();
@@ -42,13 +43,13 @@ class Inside {
   ~Inside();
 };
 
-/// In the child of a fork: its thread has another id.
+/// For the child of a fork, whose thread has another id.
 void forget_thread();
 
-/// Whole numbers that follow from the seed and `value`.
+/// A whole number that follows from the seed and `value`.
 std::uint64_t mixed(std::uint64_t value);
 
-/// The function that this library stands in front of. `cache` is static.
+/// The function that this library replaces. `cache` is static.
 template <typename F>
 F real_function(F& cache, const char* name) {
   F found = __atomic_load_n(&cache, __ATOMIC_RELAXED);
@@ -59,19 +60,19 @@ F real_function(F& cache, const char* name) {
   return found;
 }
 
-/// Settings of this thread, at its start and around ticks.
+/// Applies the settings of this thread, at its start and around ticks.
 void begin_thread_state();
-/// Takes the place of reads of the cycle counter, if the settings say so.
+/// Replaces reads of the cycle counter, if the settings require it.
 void begin_cycle_counter();
-/// A pause of at most so many microseconds that follows from the seed and `value`.
+/// Pauses for at most `most_us` microseconds; the length follows from the seed and `value`.
 void pause_for(std::uint32_t most_us, std::uint64_t value);
 
-/// Tells the session of a call, if it wants those of the group.
+/// Reports a call to the session, if the session wants calls of its group.
 void mark_call(Function function, std::uint64_t value, const void* caller);
-/// The same for bytes that a call gave.
+/// Reports bytes that a call returned.
 void mark_bytes(Function function, const void* bytes, std::size_t size, const void* caller);
 
-/// A result of libm goes to the log.
+/// Writes a result of libm to the log.
 void log_libm(Function function, const Call& call, std::uint64_t arguments, std::uint64_t result,
               const void* return_address);
 

@@ -1,4 +1,4 @@
-// qsort: elements that compare equal come in the reverse order.
+// qsort: elements that compare equal are in reverse order.
 // SPDX-License-Identifier: MIT
 #include <cstdlib>
 
@@ -33,7 +33,7 @@ void sort(void* base, std::size_t count, std::size_t size, CompareWith compare, 
   const Call call = begin_call(Function::qsort);
   found(base, count, size, compare, with);
   if (!call.is_changed || settings().sort_mode == 0) return;
-  // Runs of equal elements of the sorted array: no sort need keep their order.
+  // Reverses runs of equal elements in the sorted array: no sort must keep their order.
   auto* bytes = static_cast<char*>(base);
   bool has_ties = false;
   for (std::size_t first = 0, end = 0; first < count; first = end) {

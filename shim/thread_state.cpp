@@ -1,4 +1,4 @@
-// What a thread has from its start: bytes below its stack, how floats are rounded. Limited to ticks by the session.
+// The initial state of a thread: bytes below its stack, rounding of floats. The session limits the changes to ticks.
 // SPDX-License-Identifier: MIT
 #include <alloca.h>
 #include <fenv.h>
@@ -18,7 +18,7 @@ constexpr std::uint32_t mode_flush = 1;
 constexpr std::uint32_t mode_up = 2;
 constexpr std::uint32_t mode_keep = 4;
 
-/// Leaves the bytes behind, below the stack of whoever called.
+/// Leaves the bytes below the stack of the caller.
 __attribute__((noinline)) void fill_stack(int byte) {
   volatile auto* bytes = static_cast<volatile unsigned char*>(::alloca(stack_fill_size));
   for (std::size_t i = 0; i < stack_fill_size; ++i) bytes[i] = static_cast<unsigned char>(byte);
@@ -39,7 +39,7 @@ bool set_flush(bool on) {
 #endif
 }
 
-/// Takes back what a library has set, and sets it again.
+/// Clears the flags that a library has set, and sets them again.
 void keep_denormals(bool on) {
 #ifdef __SSE2__
   static thread_local unsigned taken __attribute__((tls_model("initial-exec"))) = 0;
@@ -82,7 +82,7 @@ void begin_thread_state() {
 
 using namespace ticktrue::shim;
 
-/// Called by the session: 0 as libticktrue is entered, 1 as it is left, 2 as it is left into a tick.
+/// The session calls this function: 0 when libticktrue is entered, 1 when it is left, 2 when it is left into a tick.
 TICKTRUE_SHIM_API void ticktrue_shim_library(int way) {
   constexpr int is_entered = 0;
   constexpr int begins_tick = 2;

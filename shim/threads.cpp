@@ -14,7 +14,7 @@ namespace ticktrue::shim {
 namespace {
 
 constexpr std::uint64_t locks_between_pauses = 8;
-constexpr std::uint64_t pause_count_max = 4000;  // a bound on the time that they cost
+constexpr std::uint64_t pause_count_max = 4000;  // limits the cost of the pauses
 
 constexpr int turn_wait_count = 400;
 constexpr std::uint32_t turn_wait_us = 50;
@@ -24,10 +24,10 @@ struct Start {
   void* argument;
   std::uint32_t delay_us;
   std::uint64_t number;
-  int* turn;  // counts the owners: who starts the thread, and the thread; null: nobody waits
+  int* turn;  // count of owners: the starter and the thread; null: nobody waits
 };
 
-/// The last owner frees it.
+/// Leaves the turn. The last owner frees it.
 void leave_turn(int* turn) {
   if (turn != nullptr && __atomic_sub_fetch(turn, 1, __ATOMIC_ACQ_REL) == 0) __libc_free(turn);
 }
