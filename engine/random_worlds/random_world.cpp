@@ -8,7 +8,7 @@
 namespace ticktrue::engine {
 namespace {
 
-// Streams of their own: worlds without what they choose do not depend on them.
+// Separate streams: a world without these choices does not depend on them.
 constexpr std::uint64_t joint_solver_stream = 0x6a6f696e74735f31;
 constexpr std::uint64_t loads_stream = 0x6c6f6164735f5f31;
 constexpr std::uint64_t structure_stream = 0x7374727563745f31;

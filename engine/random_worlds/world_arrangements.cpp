@@ -1,8 +1,8 @@
-// Arrangements of bodies in random worlds: what rests, glides, spins, approaches, collides.
+// Arrangements of bodies in random worlds: resting, gliding, spinning, approaching, colliding.
 // SPDX-License-Identifier: MIT
 //
-// Most are lattices with a rule for how bodies move. What caches get wrong hides where bodies that do not move at all
-// are beside bodies that do, and are touched later; so distances are chosen around those at which pairs begin.
+// Most arrangements are lattices with a rule for the motion of bodies. Errors of caches hide where unmoved bodies are
+// beside moving bodies and are touched later. Distances are therefore chosen around those at which pairs begin.
 #include "engine/math/trig.h"
 #include "engine/random_worlds/world_builder.h"
 
@@ -16,7 +16,7 @@ struct Lattice {
   Point pitch;  // in sizes
 };
 
-/// How the i-th body of a lattice moves; `base` is drawn once for the lattice.
+/// The motion of the i-th body of a lattice; `base` is drawn once for the lattice.
 struct Motion {
   Point velocity;
   double angular_velocity = 0;
@@ -43,30 +43,30 @@ Motion integrate_freely(WorldBuilder& builder, const Motion& base, std::uint32_t
   return motion;
 }
 
-/// Columns close in on each other with exactly opposite velocities.
+/// Columns approach each other with exactly opposite velocities.
 Motion meet(WorldBuilder&, const Motion& base, std::uint32_t column, std::uint32_t) {
   const double sign = column % 2 == 0 ? 1 : -1;
   return {{sign * base.velocity.x, sign * base.velocity.y}, sign * base.angular_velocity};
 }
 
-/// The first of each row moves, the others rest.
+/// The first body of each row moves, the others rest.
 Motion strike(WorldBuilder&, const Motion& base, std::uint32_t column, std::uint32_t) {
   return column == 0 ? base : Motion{};
 }
 
-/// Half of the bodies rest, the others glide all alike.
+/// Half of the bodies rest, the others glide with the same velocity.
 Motion mix_rest_and_glide(WorldBuilder&, const Motion& base, std::uint32_t column, std::uint32_t row) {
   return (column + row) % 2 == 0 ? Motion{} : Motion{base.velocity, 0};
 }
 
-/// Rows rest and glide in turn: neighbours that never move relative to each other, beside some that do.
+/// Rows rest and glide in turn: some neighbours never move relative to each other, others do.
 Motion glide_in_rows(WorldBuilder&, const Motion& base, std::uint32_t, std::uint32_t row) {
   return row % 2 == 0 ? Motion{} : Motion{base.velocity, 0};
 }
 
 Motion draw_base(WorldBuilder& builder) {
   Draw& draw = builder.draw;
-  // From what moves at once to what stays within a margin for hundreds of ticks.
+  // From speeds that leave a margin at once to speeds that stay within it for hundreds of ticks.
   const double speed = builder.size * draw.one_of({0.000244140625, 0.00390625, 0.03125, 0.25, 0.5, 1, 2, 4, 16});
   Motion base;
   switch (draw.below(3)) {
@@ -84,7 +84,7 @@ Motion draw_base(WorldBuilder& builder) {
   return base;
 }
 
-/// `exact`: all are discs or squares of exactly the size.
+/// `exact`: all shapes are discs or squares of exactly the size.
 void add_lattice(WorldBuilder& builder, const Lattice& lattice, MotionRule rule, bool is_jittered,
                  std::optional<ShapeKind> exact) {
   const Motion base = draw_base(builder);
@@ -136,7 +136,7 @@ MotionRule draw_rule(Draw& draw) {
   return rest;
 }
 
-/// In sizes: overlapping, touching exactly, within margins, apart.
+/// The pitch, in sizes: overlapping, touching exactly, within margins, apart.
 double draw_pitch(Draw& draw) {
   return draw.one_of({0.96875, 1, 1, 1, 1.00390625, 1.015625, 1.0625, 1.25, 1.5, 2, 4});
 }
@@ -144,7 +144,7 @@ double draw_pitch(Draw& draw) {
 double arrange_lattice(WorldBuilder& builder, Point corner, std::uint32_t count) {
   Draw& draw = builder.draw;
   Lattice lattice{corner, count, 1, {}};
-  const bool is_pile = draw.half();  // as high as wide, else a few rows
+  const bool is_pile = draw.half();  // as high as wide; otherwise a few rows
   while (is_pile ? lattice.columns * lattice.columns < count : 2 * lattice.columns < count) ++lattice.columns;
   if (draw.chance(15)) lattice.columns = count;
   if (draw.chance(10)) lattice.columns = 1;
@@ -157,7 +157,7 @@ double arrange_lattice(WorldBuilder& builder, Point corner, std::uint32_t count)
   return builder.size * (lattice.pitch.x * (lattice.columns - 1) + 1);
 }
 
-/// Diagonal neighbours: boxes around them overlap, the shapes themselves do not touch.
+/// Diagonal neighbours whose boxes overlap while the shapes do not touch.
 double arrange_diagonal(WorldBuilder& builder, Point corner, std::uint32_t count) {
   Draw& draw = builder.draw;
   const double pitch = draw.one_of({0.75, 0.875, 0.9375, 1, 1.03125});
@@ -200,7 +200,7 @@ double arrange_sizes(WorldBuilder& builder, Point corner, std::uint32_t count) {
   return large + small * (count + 1);
 }
 
-/// Bodies in the same place, or almost.
+/// Bodies at the same place, or almost.
 double arrange_coincident(WorldBuilder& builder, Point corner, std::uint32_t count) {
   const double offset = builder.draw.one_of({0, 0, 0.0009765625, 0.125});
   const std::uint32_t group = 2 + builder.draw.below(3);
@@ -213,7 +213,7 @@ double arrange_coincident(WorldBuilder& builder, Point corner, std::uint32_t cou
   return builder.size * 2 * place_count;
 }
 
-/// Kinematic bodies that pass or meet a row of bodies at rest.
+/// Kinematic bodies that pass or hit a row of bodies at rest.
 double arrange_movers(WorldBuilder& builder, Point corner, std::uint32_t count) {
   Draw& draw = builder.draw;
   const double size = builder.size;
@@ -282,7 +282,7 @@ double add_quiet_corner(WorldBuilder& builder, Point corner, std::uint32_t count
 }
 
 double add_arrangement(WorldBuilder& builder, Point corner, std::uint32_t count) {
-  // What the plan asks for and only one arrangement makes comes first.
+  // Features that only one arrangement makes come first, if the plan has them.
   const bool is_first = builder.scene.bodies.size() < 2;
   if (is_first && builder.plan.has(WorldFeature::size_ratio) && count > 1) return arrange_sizes(builder, corner, count);
   if (is_first && builder.plan.has(WorldFeature::kinematic_movers) && count > 1)

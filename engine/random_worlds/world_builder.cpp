@@ -22,7 +22,7 @@ void move_shape(Shape& shape, Point by) {
   for (Point& p : shape.vertices) p = {p.x + by.x, p.y + by.y};
 }
 
-/// No shape may meet another: no mask, no group that does.
+/// Clears the mask and the group, so that the shape touches nothing.
 void isolate(Filter& filter) {
   filter.mask = 0;
   if (filter.group > 0) filter.group = -filter.group;
@@ -51,7 +51,7 @@ void WorldBuilder::build() {
              (is_quiet ? add_quiet_corner(*this, {right + gap, 0}, draw.chance(75) ? room : room - draw.below(room / 4))
                        : add_arrangement(*this, {right + gap, 0}, count));
     if (draw.half()) continue;
-    // To the left instead, mirrored at a coordinate below zero: what was added moves.
+    // Moves the added bodies to the left instead, mirrored at a coordinate below zero.
     left -= right - before;
     for (Body& body : scene.bodies)
       if (body.type != BodyType::static_body && body.position.x >= before) body.position.x += left - before;
@@ -65,7 +65,7 @@ void WorldBuilder::build() {
 Material WorldBuilder::draw_material() {
   Material material;
   if (draw.half()) material.friction = draw.one_of({0.125, 0.25, 0.5, 1, 4});
-  // The thesis' friction has no Coulomb bound: with more it gains energy without end.
+  // The thesis' friction has no Coulomb bound: larger friction would gain energy without end.
   if (plan.is_plain() && material.friction > 0.5) material.friction = 0.5;
   if (plan.has(WorldFeature::frictionless) && draw.half()) material.friction = 0;
   if (plan.has(WorldFeature::restitution) && draw.half()) material.restitution = draw.one_of({0.25, 0.5, 0.75, 1});
@@ -131,7 +131,7 @@ void WorldBuilder::decorate(Body& body) {
   if (wants(WorldFeature::linear_damping)) body.linear_damping = draw.one_of({0.0625, 0.5, 2, 16});
   if (wants(WorldFeature::angular_damping)) body.angular_damping = draw.one_of({0.0625, 0.5, 2, 16});
   bool some_area = false;
-  double area = 0;  // kg at densities of the shapes
+  double area = 0;  // kg at the shapes' densities
   for (const Shape& shape : body.shapes) {
     some_area = some_area || !is_line(shape.kind);
     area += shape_mass(shape).mass;
@@ -152,7 +152,7 @@ void WorldBuilder::push(Body body, const Placement& placement) {
   body.position = placement.position;
   body.angle = placement.angle;
   if (body.type != BodyType::static_body) {
-    const double factor = body.bullet && draw.half() ? 16 : 1;  // what is slow passes nothing anyway
+    const double factor = body.bullet && draw.half() ? 16 : 1;  // a slow bullet passes nothing anyway
     body.velocity = {factor * placement.velocity.x, factor * placement.velocity.y};
     body.angular_velocity = placement.angular_velocity;
   }
@@ -202,7 +202,7 @@ void WorldBuilder::add_static(Point position, Shape shape) {
   push(std::move(body), {position, 0, {}, 0});
 }
 
-/// A floor whose top is at y = 0, perhaps walls: a box, or a line where the plan has lines.
+/// Adds a floor whose top is at y = 0 (a box, or a line if the plan has lines), and perhaps walls.
 void WorldBuilder::add_terrain() {
   const double half = size * (plan.body_count < 64 ? 64 : 512);
   std::vector<ShapeKind> lines;
@@ -241,7 +241,7 @@ void WorldBuilder::add_prototypes() {
   }
 }
 
-/// Bounds, the most that may be spawned, and the place of the whole world.
+/// Sets the bounds, the largest number of spawned bodies, and the place of the whole world.
 void WorldBuilder::finish() {
   if (plan.has(WorldFeature::spawned_max) && !scene.prototypes.empty())
     scene.spawned_max = static_cast<std::uint32_t>(draw.between(1, 4));

@@ -6,10 +6,10 @@
 
 namespace ticktrue::engine {
 
-/// Names of the bodies that inputs shoot at a wall begin with it.
+/// The prefix of the names of bodies that inputs shoot at a wall.
 inline constexpr const char* shot_prefix = "shot_";
 
-/// Where a body starts and how it moves.
+/// The initial pose and motion of a body.
 struct Placement {
   Point position;
   double angle = 0;
@@ -21,14 +21,14 @@ class WorldBuilder {
  public:
   WorldBuilder(Draw& draw, const WorldPlan& plan);
 
-  /// All bodies and prototypes.
+  /// Makes all bodies and prototypes.
   void build();
 
-  /// A dynamic body of about this size (width and height, m), with what the plan asks for.
+  /// Adds a dynamic body of about this size (width and height, m), with features of the plan.
   void add(const Placement& placement, double size);
-  /// The same as a disc or a square of exactly this size: what is a size apart touches exactly.
+  /// The same as a disc or a square of exactly this size, so that bodies one size apart touch exactly.
   void add_exact(const Placement& placement, double size, ShapeKind kind);
-  /// One of circle and box that the plan has, or circle.
+  /// Draws circle or box, if the plan has one; otherwise circle.
   ShapeKind draw_exact_kind();
   void add_kinematic(const Placement& placement, double size);
   void add_static(Point position, Shape shape);
@@ -51,9 +51,9 @@ class WorldBuilder {
   void add_terrain();
   void add_structures();
   void add_links(std::uint32_t count);  // a row
-  void add_plate(std::uint32_t count);  // a long box under so many discs that touch it
-  void add_ring(std::uint32_t count);   // a large body at rest, all others fly at it from every side
-  void add_shots(std::uint32_t count);  // a thin wall, and all others almost at rest beside it
+  void add_plate(std::uint32_t count);  // a long box under as many discs that touch it
+  void add_ring(std::uint32_t count);   // a large body at rest; all others fly at it from every side
+  void add_shots(std::uint32_t count);  // a thin wall; all others are almost at rest beside it
   void add_net(std::uint32_t columns, std::uint32_t rows);  // of joints; nothing touches
   void add_prototypes();
   void finish();
@@ -63,12 +63,12 @@ class WorldBuilder {
   std::optional<Shape> shape_;
 };
 
-/// A few bodies at rest near each other, and `count` less those that glide or lie in touch: what rests is a minority,
-/// the case in which caches look at what moves alone. Gives the width taken, m.
+/// A few bodies at rest near each other, and the rest of `count` bodies gliding or touching. Resting bodies are a
+/// minority, the case in which caches look at moving bodies alone. Returns the used width, m.
 double add_quiet_corner(WorldBuilder& builder, Point corner, std::uint32_t count);
 
-/// Adds up to `count` bodies in one of the arrangements, from `corner` on to the right and upwards; `count` >= 1.
-/// Gives the width taken, m.
+/// Adds up to `count` bodies in one of the arrangements, from `corner` to the right and upwards; `count` >= 1. Returns
+/// the used width, m.
 double add_arrangement(WorldBuilder& builder, Point corner, std::uint32_t count);
 
 /// A shape of a kind of about this size around the body's origin. Requires: a kind of the table.
@@ -77,7 +77,7 @@ Shape make_shape(Draw& draw, ShapeKind kind, double size);
 /// `size`: of most bodies, m.
 void add_joints(Draw& draw, const WorldPlan& plan, double size, Scene& scene);
 void add_forces(Draw& draw, const WorldPlan& plan, Scene& scene);
-/// Also declares their kinds and gives the scene a pointer if there is one.
+/// Also declares the kinds of the inputs, and gives the scene a pointer if an input needs one.
 std::vector<Input> add_inputs(Draw& draw, const WorldPlan& plan, Scene& scene);
 
 }  // namespace ticktrue::engine

@@ -1,4 +1,4 @@
-// How each feature of a random world is recognised and taken away.
+// The recognition and the removal of each feature of a random world.
 // SPDX-License-Identifier: MIT
 #include "engine/random_worlds/world_features.h"
 
@@ -53,7 +53,7 @@ bool is_mover(const Body& body) {
   return body.type == BodyType::kinematic_body && (body.velocity != Point{} || body.angular_velocity != 0);
 }
 
-/// Of the circle around a shape's core about the body's origin, without a square root.
+/// The radius of a circle about the body's origin around a shape's core, without a square root.
 double extent_of(const Shape& shape) {
   double extent = shape.half_size.x > shape.half_size.y ? shape.half_size.x : shape.half_size.y;
   for (const Point& p : shape.vertices)
@@ -79,7 +79,7 @@ bool is_far(const Body& body) {
   return p.x >= far_m || p.x <= -far_m || p.y >= far_m || p.y <= -far_m;
 }
 
-/// The larger ones shrink until the factor is 32.
+/// Shrinks the larger shapes until the factor is 32.
 void take_size_ratio(RandomWorld& world) {
   double least = limits::size_max_m;
   for (const Body& body : world.scene.bodies)
@@ -95,9 +95,9 @@ void take_size_ratio(RandomWorld& world) {
     }
 }
 
-/// The whole world comes near the origin, with every place in it.
+/// Moves the whole world near the origin, with every place in it.
 void take_far(RandomWorld& world) {
-  Point by;  // from the origin to the first body far away
+  Point by;  // from the origin to the first distant body
   for (std::size_t i = world.scene.bodies.size(); i-- > 0;)
     if (is_far(world.scene.bodies[i])) by = world.scene.bodies[i].position;
   const auto move = [by](Point& p) { p = {p.x - by.x, p.y - by.y}; };

@@ -1,4 +1,4 @@
-// What random worlds switch on beside the rows of the tables of choices.
+// Features of random worlds that are not rows of the tables of choices.
 // SPDX-License-Identifier: MIT
 #pragma once
 
@@ -57,12 +57,12 @@ enum class WorldFeature : std::uint8_t {
 inline constexpr std::size_t world_feature_count = 44;
 
 struct WorldFeatureInfo : Choice<WorldFeature> {
-  int percent;  // of worlds in which the feature is asked for; what the choices cannot carry is taken back
+  int percent;  // of worlds that ask for the feature; it is dropped if the choices cannot carry it
   bool (*is_on)(const RandomWorld& world);
-  void (*take_away)(RandomWorld& world);  // null: nothing sensible is left
+  void (*take_away)(RandomWorld& world);  // null: no sensible world would remain
 };
 
-/// The only list of them, in the order of the enumeration.
+/// The only list of features, in the order of the enumeration.
 std::span<const WorldFeatureInfo> world_features();
 
 /// Sizes of shapes differ by at least this factor in worlds with the feature size_ratio.

@@ -15,7 +15,7 @@
 namespace ticktrue::engine {
 namespace {
 
-/// The number at the beginning of `text`, which is then behind it and one tab.
+/// Removes the number at the beginning of `text`, and one tab after it.
 bool take_number(std::string_view& text, int base, std::uint64_t& out) {
   const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), out, base);
   if (error != std::errc() || end == text.data()) return false;

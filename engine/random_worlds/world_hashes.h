@@ -1,4 +1,4 @@
-// Root hashes of random worlds: what every build and every platform must give for them.
+// Root hashes of random worlds, which are the same in every build and on every platform.
 // SPDX-License-Identifier: MIT
 #pragma once
 
@@ -12,17 +12,17 @@
 
 namespace ticktrue::engine {
 
-/// What the worlds of tests/worlds/hashes.tsv are made with: small, so that emulators run them too.
+/// The options of the worlds in tests/worlds/hashes.tsv: small worlds, so that emulators can run them.
 inline constexpr RandomWorldOptions hashed_worlds{60, 60};
 
-/// A world, and the hash of its state after its last tick, or after the last tick that could be done.
+/// A world, and the hash of its state after its last tick, or after the last tick without an error.
 struct WorldHash {
   std::uint64_t seed = 0;
   std::uint64_t tick_count = 0;  // ticks done
   std::uint64_t hash = 0;
   bool operator==(const WorldHash&) const = default;
 };
-/// Runs random_world(seed, hashed_worlds). Adds what its cached structures counted to `counts`.
+/// Runs random_world(seed, hashed_worlds). Adds the counts of its cached structures to `counts`.
 WorldHash hash_world(std::uint64_t seed, CacheReport* counts = nullptr);
 
 /// Lines "seed, ticks, hash" with tabs between; lines that begin with # are comments.

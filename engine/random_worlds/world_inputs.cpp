@@ -1,4 +1,4 @@
-// Inputs of random worlds: what wakes, pushes, aims, teleports, spawns and removes.
+// Inputs of random worlds: waking, pushing, aiming, teleporting, spawning, removing.
 // SPDX-License-Identifier: MIT
 #include "engine/math/trig.h"
 #include "engine/random_worlds/world_builder.h"
@@ -8,7 +8,7 @@
 namespace ticktrue::engine {
 namespace {
 
-/// What the values of one input are drawn from.
+/// The values from which the values of an input are drawn.
 struct InputContext {
   double size = 1;  // m
   double mass = 1;  // kg, of the body
@@ -21,7 +21,7 @@ struct ValueMaker {
   std::string_view name;
   double (*make)(Draw& draw, const InputContext& context);
 };
-// Names of values in input_kinds. A name that is not among them is drawn from -2 to 2.
+// Names of values in input_kinds. A value with another name is drawn from -2 to 2.
 constexpr std::array<ValueMaker, 17> value_makers{{
     {"x", [](Draw&, const InputContext& c) { return c.at.x; }},
     {"y", [](Draw&, const InputContext& c) { return c.at.y; }},
@@ -74,7 +74,7 @@ class InputMaker {
   std::vector<Input> run() {
     declare();
     for (const InputKind kind : scene_.inputs) add_script(kind);
-    // From a few to many: long quiet times, and bursts.
+    // From a few to many inputs: long quiet times, and bursts.
     const std::uint32_t more = draw_.below(1u << draw_.below(6)) + (plan_.is_quiet ? 3 : 0);
     if (!scene_.inputs.empty())
       for (std::uint32_t i = 0; i < more; ++i) add_script(draw_.any(scene_.inputs));
@@ -109,7 +109,7 @@ class InputMaker {
       for (const Body& prototype : scene_.prototypes) scene_.pointer->spawns.push_back(prototype.name);
   }
 
-  /// Inputs around one of a kind, and what belongs to it: what moves stops, gravity comes back, pointers let go.
+  /// Adds an input of a kind and its sequel: moved bodies stop, gravity is restored, pointers release.
   void add_script(InputKind kind) {
     const auto ticks = static_cast<std::uint32_t>(plan_.tick_count);
     tick_ = draw_.chance(10) ? 0 : draw_.below(ticks);
@@ -141,7 +141,7 @@ class InputMaker {
 
   static double distance_squared(Point a, Point b) { return (a.x - b.x) * (a.x - b.x) + (a.y - b.y) * (a.y - b.y); }
 
-  /// Neighbours in the list are neighbours in the world. Most often the nearer one.
+  /// A neighbour in the list, most often the nearer one. Neighbours in the list are neighbours in the world.
   const Body& neighbour_of(std::uint32_t body) {
     const auto count = static_cast<std::uint32_t>(scene_.bodies.size());
     const Body& before = scene_.bodies[(body + count - 1) % count];
@@ -169,7 +169,7 @@ class InputMaker {
     context_.gravity = draw_gravity();
   }
 
-  /// From p towards q within a part of a second to a few.
+  /// The velocity from p to q in a fraction of a second up to a few seconds.
   Point aim(Point p, Point q) {
     const double rate = draw_.one_of({0.0625, 0.5, 1, 2, 4, 8});
     Point v{(q.x - p.x) * rate, (q.y - p.y) * rate};
@@ -218,7 +218,7 @@ class InputMaker {
 
   void teleport() {
     add(InputKind::remove);
-    // To another body's place, or beside it.
+    // Aims at another body's place, or beside it.
     const Body& other = neighbour_of(body_ % static_cast<std::uint32_t>(scene_.bodies.size()));
     context_.at = {other.position.x, other.position.y + context_.size * draw_.one_of({0, 1, 1.015625, 4})};
     if (draw_.half()) context_.velocity = {};
@@ -246,7 +246,7 @@ class InputMaker {
     add(InputKind::set_gravity);
   }
 
-  /// Stops dead, so that the body is still again, and may come back.
+  /// Stops the body, so that it rests again, and may send it back.
   void stop_and_return() {
     const Point there = context_.velocity;
     wait(20);
@@ -258,7 +258,7 @@ class InputMaker {
     add(InputKind::set_velocity);
   }
 
-  /// Each body of add_shots flies at its wall, or through it, within a tick or a few.
+  /// Shoots each body of add_shots at its wall, or through it, within a few ticks.
   void add_shots() {
     const InputKind kind = takes(InputKind::set_velocity) ? InputKind::set_velocity : InputKind::impulse;
     for (std::uint32_t i = 0; i < scene_.bodies.size(); ++i) {
@@ -275,7 +275,7 @@ class InputMaker {
     }
   }
 
-  /// By tick and player; numbered within both. Stable.
+  /// Sorts by tick and player, stable, and numbers the inputs within both.
   void sort() {
     const auto before = [](const Input& a, const Input& b) {
       return a.tick != b.tick ? a.tick < b.tick : a.player < b.player;
@@ -290,7 +290,7 @@ class InputMaker {
       if (!before(inputs_[i - 1], inputs_[i])) inputs_[i].sequence = inputs_[i - 1].sequence + 1;
   }
 
-  /// An input may only name a body that an earlier tick has made.
+  /// Replaces ids, since an input may only name a body that an earlier tick has made.
   void name_issued_ids() {
     const auto first = static_cast<std::uint32_t>(scene_.bodies.size());
     std::uint32_t issued = 0, in_tick = 0;  // spawned in earlier ticks, and in this one
@@ -311,9 +311,9 @@ class InputMaker {
   Scene& scene_;
   std::vector<Input> inputs_;
   std::vector<std::uint32_t> movable_;  // bodies
-  std::vector<std::uint32_t> resting_;  // those that do not move at the start
+  std::vector<std::uint32_t> resting_;  // bodies that do not move at the start
   std::vector<std::uint32_t> motors_;   // joints
-  std::uint32_t next_id_ = 0;           // of what is spawned, if nothing else is
+  std::uint32_t next_id_ = 0;           // of the next spawned body, if only this class spawns
   std::uint64_t tick_ = 0;
   std::uint8_t player_ = 0;
   std::uint32_t body_ = 0;

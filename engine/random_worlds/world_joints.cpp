@@ -1,4 +1,4 @@
-// Joints and force elements of random worlds. Which fields a kind has is read from the tables of kinds.
+// Joints and force elements of random worlds. The tables of kinds list the fields of each kind.
 // SPDX-License-Identifier: MIT
 #include "base/hash.h"
 #include "engine/math/trig.h"
@@ -43,8 +43,8 @@ class JointMaker {
   JointMaker(Draw& draw, const WorldPlan& plan, double size, Scene& scene)
       : draw_(draw), plan_(plan), size_(size), scene_(scene) {}
 
-  /// Requires: `b` is dynamic, `a` another body. Rarely makes a second joint of a pair: two that contradict each other
-  /// only blow up.
+  /// Requires: `b` is dynamic, `a` is another body. A second joint of a pair is rare, since joints that contradict each
+  /// other only blow up.
   void add(JointKind kind, std::uint32_t a, std::uint32_t b) {
     if (is_joined(a, b) && !draw_.chance(5)) return;
     kind_ = kind;
@@ -54,7 +54,7 @@ class JointMaker {
     const Body& body_a = scene_.bodies[a];
     const Body& body_b = scene_.bodies[b];
     mass_ = body_mass(body_b).mass;
-    // Long arms of light bodies only blow up.
+    // Long arms of light bodies would only blow up.
     const bool far = is_far(body_a.position, body_b.position);
     if (far && is_dynamic(body_a) && !draw_.chance(5)) return;
     if (has(JointField::ground_anchor_a)) {
@@ -98,14 +98,14 @@ class JointMaker {
     return x * x + y * y > 9 * size_ * size_;
   }
 
-  /// Between the bodies' origins, or anchors in one place that are to be apart a little.
+  /// The distance of the bodies' origins, or a small length for anchors at one place.
   void add_length(bool apart, const Body& a, const Body& b) {
     const double x = b.position.x - a.position.x, y = b.position.y - a.position.y;
     const double length = apart ? __builtin_sqrt(x * x + y * y) : 0.0625;
     joint_.length = length >= 0.0625 ? length : 0.0625;
   }
 
-  /// Ground anchors above the bodies, some at them: a side without a direction.
+  /// Ground anchors above the bodies, sometimes at them: a side without a direction.
   void add_rope(const Body& a, const Body& b) {
     const auto above = [this](Point p) {
       const double aside = size_ * draw_.part(-1, 1, 2);
@@ -150,7 +150,7 @@ class JointMaker {
     const bool has_springs = plan_.has(WorldFeature::joint_springs) || plan_.has(WorldFeature::absolute_springs);
     if (has(JointField::spring) && has_springs && draw_.chance(60)) joint_.spring = draw_spring();
     if (wants(JointField::linear_spring, WorldFeature::linear_springs)) joint_.linear_spring = draw_spring();
-    // Contacts that push apart what limits hold together only blow up.
+    // Contacts against limits that hold bodies together would only blow up.
     if (!joint_.limits && wants(JointField::collide_connected, WorldFeature::collide_connected))
       joint_.collide_connected = true;
   }
@@ -172,7 +172,7 @@ double whole_power(double r, int exponent) {
   return value;
 }
 
-/// Of the kinds in the plan.
+/// Adds joints of the kinds in the plan.
 void add_planned_joints(Draw& draw, const WorldPlan& plan, const std::vector<std::uint32_t>& dynamic, double size,
                         Scene& scene) {
   JointMaker maker(draw, plan, size, scene);
@@ -190,7 +190,7 @@ void add_planned_joints(Draw& draw, const WorldPlan& plan, const std::vector<std
     }
   }
   if (draw.chance(70)) return;
-  // Chains of joints.
+  // Adds a chain of joints.
   const std::uint32_t chained = 2 + draw.below(dynamic.size() < 40 ? static_cast<std::uint32_t>(dynamic.size()) : 40);
   const std::uint32_t first = draw.below(static_cast<std::uint32_t>(dynamic.size()));
   for (std::uint32_t i = first; i < first + chained && i < dynamic.size(); ++i) {
@@ -205,7 +205,7 @@ void add_joints(Draw& draw, const WorldPlan& plan, double size, Scene& scene) {
   const std::vector<std::uint32_t> dynamic = dynamic_bodies(scene);
   if (dynamic.empty() || scene.bodies.size() < 2 || plan.joints.empty()) return;
   add_planned_joints(draw, plan, dynamic, size, scene);
-  // Kinds that came later are drawn from numbers of the scene so far: other worlds stay what they were.
+  // Kinds that were added later have draws from a hash of the scene so far, so that worlds without them stay the same.
   for (std::size_t kind = static_cast<std::size_t>(JointKind::pulley); kind < joint_kinds.size(); ++kind) {
     Draw own(hash64(encode_scene(scene), kind));
     if (own.half()) continue;
@@ -235,7 +235,7 @@ void add_forces(Draw& draw, const WorldPlan& plan, Scene& scene) {
     }
     const Point at = scene.bodies[body].position;
     if (has(ForceField::other) && scene.bodies.size() > 1 && draw.half()) force.other = body == 0 ? 1 : body - 1;
-    // Far from every body: near its centre a central force is endless.
+    // Far from every body, since a central force is unbounded near its centre.
     const double away = 64 + 4.0 * static_cast<double>(scene.bodies.size());
     if (has(ForceField::exponent)) {
       force.exponent = draw.between(-3, 3);

@@ -1,4 +1,4 @@
-// Draws what a random world is to have, and takes back what does not go together.
+// Draws the plan of a random world, and drops choices that do not go together.
 // SPDX-License-Identifier: MIT
 #include "engine/random_worlds/world_plan.h"
 
@@ -7,7 +7,7 @@
 namespace ticktrue::engine {
 namespace {
 
-/// A row of a table, each with its weight.
+/// Draws a row of a table by weight.
 template <typename Table, typename Weight>
 auto draw_row(Draw& draw, const Table& table, Weight weight_of) {
   std::uint32_t sum = 0;
@@ -21,7 +21,7 @@ auto draw_row(Draw& draw, const Table& table, Weight weight_of) {
   return table[0].kind;
 }
 
-/// Each row with this chance.
+/// Draws each row with this chance.
 template <typename Kind, typename Table, typename Predicate>
 std::vector<Kind> draw_subset(Draw& draw, const Table& table, int percent, Predicate may_have) {
   std::vector<Kind> kinds;
@@ -34,12 +34,12 @@ void draw_choices(Draw& draw, WorldPlan& plan) {
   Settings& settings = plan.settings;
   const Settings defaults;
   settings.precision = draw_row(draw, precisions, [](const auto&) { return 1; });
-  // The complete solver most often: the others leave out most of what can go wrong.
+  // The complete solver is most likely: the other solvers leave out most sources of errors.
   settings.solver = draw_row(draw, solvers, [](const SolverInfo& info) {
     return 9 + (info.solves_joints ? 9 : 0) + (info.solves_joints && info.substeps ? 46 : 0);
   });
   settings.integrator = draw_row(draw, integrators, [&](const IntegratorInfo& info) {
-    if (!info.carries_constraints && plan.is_plain()) return 0;  // nothing would collide; is_plain: everything does
+    if (!info.carries_constraints && plan.is_plain()) return 0;  // nothing could collide, but in plain scenes all does
     return info.kind == defaults.integrator ? 40 : 9;
   });
   settings.broad_phase =
@@ -64,7 +64,7 @@ void draw_features(Draw& draw, WorldPlan& plan) {
   const auto take_back = [&](WorldFeature feature) { plan.features[static_cast<std::size_t>(feature)] = false; };
   if (!plan.solver().solves_joints) take_back(WorldFeature::sleeping);
   if (!plan.solver().substeps) take_back(WorldFeature::automatic_substeps);
-  // Without a load automatic substeps have nothing to choose.
+  // Without a load, automatic substeps have nothing to choose.
   if (plan.has(WorldFeature::automatic_substeps) && draw.chance(60)) take_back(WorldFeature::zero_gravity);
   if (!plan.solver().reads_contacts)
     for (const WorldFeature feature : {WorldFeature::events, WorldFeature::sensors}) take_back(feature);
@@ -121,7 +121,7 @@ void draw_kinds(Draw& draw, WorldPlan& plan) {
   for (const ShapeKind kind : plan.shapes) some_solid = some_solid || !is_line(kind);
   if (!some_solid) plan.shapes.push_back(draw.half() ? ShapeKind::circle : ShapeKind::box);
   const auto any = [](auto) { return true; };
-  // Later kinds of joints have draws of their own (add_joints): worlds without them stay what they were.
+  // Later kinds of joints have draws of their own (add_joints), so that worlds without them stay the same.
   const auto first_joint_kinds = std::span(joint_kinds).first<static_cast<std::size_t>(JointKind::pulley)>();
   if (plan.carries_joints() && draw.chance(60)) plan.joints = draw_subset<JointKind>(draw, first_joint_kinds, 32, any);
   if (draw.chance(50)) plan.forces = draw_subset<ForceKind>(draw, force_kinds, 35, any);
@@ -136,7 +136,7 @@ void draw_kinds(Draw& draw, WorldPlan& plan) {
   plan.has_end = draw.half();
 }
 
-/// How many bodies: most worlds are small, a few have hundreds, one in a hundred has thousands.
+/// The number of bodies: most worlds are small, a few have hundreds, one in a hundred has thousands.
 std::uint32_t draw_body_count(Draw& draw, std::uint32_t count_max) {
   const std::uint32_t kind = draw.below(1000);
   const std::uint32_t count = kind < 8     ? 1000 + draw.below(2001)
@@ -147,10 +147,11 @@ std::uint32_t draw_body_count(Draw& draw, std::uint32_t count_max) {
   return count < count_max ? count : count_max < 2 ? 2 : count_max;
 }
 
-/// Ticks from a budget of work: what a tick costs grows with bodies, substeps, stages of the integrator.
+/// The number of ticks from a budget of work: the cost of a tick grows with bodies, substeps and stages of the
+/// integrator.
 std::uint64_t draw_tick_count(Draw& draw, const WorldPlan& plan, std::uint32_t count_max) {
   const Settings& settings = plan.settings;
-  int cost = 4 + settings.substeps;  // in units of a body, a tick
+  int cost = 4 + settings.substeps;  // in units of one body and tick
   if (settings.auto_substeps) cost += settings.auto_substeps->substeps_max / 4;
   if (settings.locate_impacts) cost += 4;
   if (plan.integrator().order > 2) cost *= 2;
@@ -170,7 +171,7 @@ bool is_round(ShapeKind kind) {
   return kind == ShapeKind::circle || kind == ShapeKind::capsule || kind == ShapeKind::polygon;
 }
 
-/// What disturbs bodies at rest goes most often; what pushes them comes.
+/// Most often removes what disturbs bodies at rest, and adds inputs that push them.
 void draw_quiet(Draw& draw, WorldPlan& plan) {
   plan.is_quiet = plan.collides && plan.body_count >= 8 && draw.chance(45);
   if (!plan.is_quiet) return;
@@ -184,8 +185,8 @@ void draw_quiet(Draw& draw, WorldPlan& plan) {
   if (draw.chance(80)) add_once(plan.inputs, push);
 }
 
-/// Small islands get a load, so that automatic substeps have something to choose. Large islands under many substeps
-/// take seconds a tick, most of all with joints.
+/// Gives small islands a load, so that automatic substeps have something to choose. Large islands with many substeps
+/// take seconds per tick, most of all with joints.
 void fit_automatic_substeps(Draw& draw, WorldPlan& plan) {
   if (!plan.settings.auto_substeps) return;
   if (plan.body_count <= 24) {
@@ -196,7 +197,7 @@ void fit_automatic_substeps(Draw& draw, WorldPlan& plan) {
   if (plan.body_count > 60) plan.joints.clear();
 }
 
-/// Islands are solved in blocks (engine/contacts/contact_blocks.h) only where nothing but contacts acts between bodies.
+/// Islands are solved in blocks (engine/contacts/contact_blocks.h) only if contacts alone act between bodies.
 void draw_contacts_alone(Draw& draw, WorldPlan& plan) {
   if (!plan.solver().substeps || !plan.carries_constraints() || !draw.chance(15)) return;
   for (const WorldFeature feature :
@@ -227,7 +228,7 @@ WorldPlan draw_plan(Draw& draw, const RandomWorldOptions& options) {
   draw_quiet(draw, plan);
   draw_contacts_alone(draw, plan);
   fit_automatic_substeps(draw, plan);
-  // An impact of the largest body tests the pairs of all others again.
+  // Each impact of the largest body tests the pairs of all other bodies again.
   if (plan.has(WorldFeature::size_ratio) && plan.body_count > 60) plan.settings.locate_impacts = false;
   plan.tick_count = draw_tick_count(draw, plan, options.tick_count_max);
   return plan;

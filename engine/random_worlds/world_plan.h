@@ -1,4 +1,4 @@
-// What a random world is to have, drawn before anything of it is made.
+// The plan of a random world, drawn before any part of the world is made.
 // SPDX-License-Identifier: MIT
 #pragma once
 
@@ -9,7 +9,8 @@
 
 namespace ticktrue::engine {
 
-/// Draws of a seed. Every real number is made from whole ones by + - * /, so that it is the same on every platform.
+/// Draws of a seed. Every real number is computed from whole numbers by + - * /, so that it is the same on every
+/// platform.
 class Draw {
  public:
   explicit Draw(std::uint64_t seed) : random_(seed) {}
@@ -44,8 +45,8 @@ struct WorldPlan {
   std::vector<ForceKind> forces;
   std::vector<InputKind> inputs;  // without `end`
   bool has_end = false;
-  bool collides = true;   // false: no shape may meet another
-  bool is_quiet = false;  // a few bodies rest near each other beside many that move in touch, and are pushed later
+  bool collides = true;                // false: no two shapes may touch
+  bool is_quiet = false;               // a few bodies rest beside many that move in touch, and are pushed later
   std::uint32_t body_count = 2;        // without those of structures
   std::uint32_t link_count = 0;        // of a row of links; 0: there is none
   std::uint32_t plate_body_count = 0;  // of a plate under many bodies; 0: there is none
@@ -58,16 +59,17 @@ struct WorldPlan {
   bool has(WorldFeature feature) const { return features[static_cast<std::size_t>(feature)]; }
   const SolverInfo& solver() const { return info_of(solvers, settings.solver); }
   const IntegratorInfo& integrator() const { return info_of(integrators, settings.integrator); }
-  /// Whether pointers and joints' impulses are carried.
+  /// Whether pointers and impulses of joints have an effect.
   bool carries_constraints() const { return solver().solves_constraints && integrator().carries_constraints; }
   bool carries_joints() const { return solver().solves_joints && integrator().carries_constraints; }
-  /// Whether the solver knows only what the thesis knew: circles, sharp polygons, no filters.
+  /// Whether the solver supports only the thesis' features: circles, sharp polygons, no filters.
   bool is_plain() const { return solver().solves_constraints && !solver().reads_contacts; }
 };
 
 WorldPlan draw_plan(Draw& draw, const RandomWorldOptions& options);
-/// Long rows of links, bodies with many contacts, rings that close in on a large body, shots at a wall and nets of
-/// joints, in few worlds. From a stream of its own: other worlds do not depend on them.
+/// Draws structures for a few worlds: long rows of links, bodies with many contacts, rings that close in on a large
+/// body, shots at a wall, and nets of joints. The draws have their own stream, so that other worlds do not depend on
+/// them.
 void draw_structures(Draw draw, const RandomWorldOptions& options, WorldPlan& plan);
 
 }  // namespace ticktrue::engine

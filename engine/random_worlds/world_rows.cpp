@@ -1,4 +1,4 @@
-// The rows of the tables of choices that a world has, and worlds without one of them.
+// The rows of the tables of choices that a world has, and worlds without one of these rows.
 // SPDX-License-Identifier: MIT
 #include "engine/random_worlds/world_features.h"
 #include "engine/scene/hull.h"
@@ -10,12 +10,12 @@ namespace {
 using World = RandomWorld;
 using Names = std::vector<std::string_view>;
 
-/// A table of choices: which of its rows a world has, and how one is taken away.
+/// A table of choices: tests whether a world has a row, and removes a row from a world.
 struct RowTable {
   std::string_view name;
   Names (*rows)();
   bool (*has)(const World& world, std::size_t row);
-  /// False: no world without the row is known. The result need not be legal.
+  /// False: no world without the row is known. The result may be illegal.
   bool (*take_away)(World& world, std::size_t row);
   bool changes_bits;
 };
@@ -35,7 +35,7 @@ Names feature_names() {
 
 // ---- Settings: one row of each table ----
 
-/// Settings that the choices of others leave no room for fall back.
+/// Resets settings that are incompatible with the other choices.
 void repair_settings(Settings& settings) {
   const SolverInfo& solver = info_of(solvers, settings.solver);
   if (!solver.chooses_joints) settings.joints = JointSolverKind::iterative;
@@ -109,7 +109,7 @@ bool has_body_type(const World& world, std::size_t row) {
   return false;
 }
 
-/// Dynamic bodies go on as kinematic ones, without joints.
+/// Turns dynamic bodies into kinematic bodies, without joints.
 void take_dynamic(World& world) {
   each_body(world, [](Body& body) {
     if (body.type != BodyType::dynamic_body) return;
@@ -121,7 +121,7 @@ void take_dynamic(World& world) {
   erase_where(world.inputs, [](const Input& input) { return info_of(input_kinds, input.kind).has_joint; });
 }
 
-/// Kinematic bodies stand still as static ones, static ones become kinematic ones that move; prototypes of either
+/// Turns kinematic bodies into static bodies, and static bodies into moving kinematic bodies. Prototypes of either type
 /// become dynamic.
 bool take_body_type(World& world, std::size_t row) {
   const BodyType type = body_types[row].kind;
@@ -148,7 +148,7 @@ bool has_shape(const World& world, std::size_t row) {
   return false;
 }
 
-/// A box around another shape; a circle in place of a box.
+/// Replaces a shape by a box around it, and a box by a circle.
 void replace_shape(Shape& shape) {
   const std::vector<Point> core = core_of(shape);
   Point lower = core[0], upper = core[0];
@@ -156,7 +156,7 @@ void replace_shape(Shape& shape) {
     lower = {p.x < lower.x ? p.x : lower.x, p.y < lower.y ? p.y : lower.y};
     upper = {p.x > upper.x ? p.x : upper.x, p.y > upper.y ? p.y : upper.y};
   }
-  constexpr double least = 1.0 / 64;  // half a width: lines have none
+  constexpr double least = 1.0 / 64;  // half a width: lines have no width
   const auto half = [&](double low, double high) { return (high - low) / 2 > least ? (high - low) / 2 : least; };
   const Point size{half(lower.x, upper.x), half(lower.y, upper.y)};
   const bool is_box = shape.kind == ShapeKind::box;
@@ -187,7 +187,7 @@ bool has_joint(const World& world, std::size_t row) {
 
 bool take_joint(World& world, std::size_t row) {
   constexpr std::uint32_t gone = 0xffffffff;
-  std::vector<std::uint32_t> places;  // [joint]: its index among those that stay
+  std::vector<std::uint32_t> places;  // [joint]: its index among the remaining joints
   std::uint32_t count = 0;
   for (const Joint& joint : world.scene.joints)
     places.push_back(static_cast<std::size_t>(joint.kind) == row ? gone : count++);
@@ -261,7 +261,7 @@ std::string full_name(const RowTable& table, std::string_view row) {
   return std::string(table.name) + "/" + std::string(row);
 }
 
-/// Inputs to bodies that no earlier tick has made go, and velocities of static bodies.
+/// Removes inputs to bodies that no earlier tick has made, and velocities of static bodies.
 void drop_refused(World& world) {
   const auto first = static_cast<std::uint32_t>(world.scene.bodies.size());
   std::uint32_t issued = 0, in_tick = 0;  // spawned in earlier ticks, and in this one
@@ -280,7 +280,7 @@ void drop_refused(World& world) {
   });
 }
 
-/// Inputs that the scene no longer takes go; so does the declaration of what the scene no longer can take.
+/// Removes inputs that the scene no longer accepts, and declarations of kinds that can no longer occur.
 void repair_inputs(World& world) {
   bool some_motor = false;
   for (const Joint& joint : world.scene.joints) some_motor = some_motor || joint.motor;
@@ -326,7 +326,7 @@ std::optional<RandomWorld> without_row(const RandomWorld& world, const std::stri
 
 bool row_changes_bits(const std::string& row) {
   if (row == "input/end") return false;
-  // What solves nothing is there where nothing is to be solved: other solvers do the same.
+  // Where a solver without constraints is allowed, no constraints exist, and other solvers do the same.
   for (const SolverInfo& solver : solvers)
     if (!solver.solves_constraints && row == "solver/" + std::string(solver.name)) return false;
   for (const RowTable& table : tables)

@@ -6,7 +6,7 @@
 namespace ticktrue::engine {
 namespace {
 
-/// A point of the unit circle with rational coordinates: none is computed by a library.
+/// A point of the unit circle with rational coordinates, computed without a library function.
 Point on_circle(double slope) {
   const double below = 1 + slope * slope;
   return {(1 - slope * slope) / below, 2 * slope / below};
@@ -21,7 +21,7 @@ Shape make_box(Draw& draw, double size) {
   return box(size / 2, height / 2);
 }
 
-/// Points of a circle are convex. Both signs of a slope and of x give all quarters.
+/// Points of a circle are convex. Both signs of the slope and of x give all quarters.
 Shape make_polygon(Draw& draw, double size) {
   const double radius = size / 2;
   if (draw.chance(25)) return polygon({{radius, -radius}, {0, radius}, {-radius, -radius}});
@@ -29,7 +29,7 @@ Shape make_polygon(Draw& draw, double size) {
   std::vector<Point> vertices;
   for (int i = 0; i < steps; ++i) {
     const Point p = on_circle((draw.half() ? i : i + 0.25) / steps);
-    // Four points, each the last one turned by a quarter.
+    // Four points, each the last one rotated by a quarter turn.
     for (const Point& q : {Point{p.x, p.y}, Point{-p.y, p.x}, Point{-p.x, -p.y}, Point{p.y, -p.x}})
       vertices.push_back({radius * q.x, radius * q.y});
   }
@@ -48,7 +48,7 @@ Shape make_segment(Draw& draw, double size) {
   return line(ShapeKind::segment, {{-size / 2, -slope}, {size / 2, slope}});
 }
 
-/// From right to left, so that its right side is up.
+/// A chain from right to left, so that its right side is up.
 Shape make_chain(Draw& draw, double size) {
   if (draw.chance(30)) {
     Shape loop = line(ShapeKind::chain, {{size / 2, 0}, {0, size / 2}, {-size / 2, 0}, {0, -size / 2}});

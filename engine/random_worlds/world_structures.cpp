@@ -1,10 +1,10 @@
 // Structures that arrangements never make: rows and nets of links, crowded bodies, rings that close in, shots.
 // SPDX-License-Identifier: MIT
 //
-// They reach what only many constraints of one body or one island reach: batches of joints in serial order, the last
-// colours of contacts; what only bodies of unlike sizes reach that meet from every side, in touch with others; what
-// only a body reaches that hardly moves until one input sends it through a wall within a tick; and the wavefront sweep,
-// which only bodies reach on which nothing but joints acts.
+// Each structure reaches code that arrangements do not. Many constraints of one body or island reach serial batches of
+// joints and the last colours of contacts. Rings bring bodies of unequal sizes together from every side, in touch with
+// others. Shots send a body that hardly moves through a wall within a tick. Nets, on whose bodies only joints act,
+// reach the wavefront sweep.
 #include <algorithm>
 #include <cmath>
 #include <iterator>
@@ -16,7 +16,7 @@
 namespace ticktrue::engine {
 namespace {
 
-/// From `least` on, or 0 where there is no room.
+/// At least `least`, or 0 if there is no room.
 std::uint32_t draw_count(Draw& draw, std::uint32_t least, std::uint32_t more, std::uint32_t room) {
   const std::uint32_t count = least + draw.below(more);
   return count <= room ? count : 0;
@@ -42,7 +42,7 @@ void draw_net(Draw& draw, const RandomWorldOptions& options, WorldPlan& plan) {
 }
 
 void draw_shots(Draw& draw, std::uint32_t room, WorldPlan& plan) {
-  // With other settings the boxes of all bodies are swept, and a shot shows no fault.
+  // With other settings the boxes of all bodies are swept, and a shot shows no error.
   const Settings& settings = plan.settings;
   const bool sweeps_fast_alone = settings.continuous && !settings.locate_impacts && !settings.auto_substeps;
   if (!draw.chance(sweeps_fast_alone ? 40 : 4)) return;
@@ -62,7 +62,7 @@ void draw_structures(Draw draw, const RandomWorldOptions& options, WorldPlan& pl
   if (draw.chance(6)) plan.plate_body_count = draw_count(draw, 34, 30, room);
   room -= plan.plate_body_count;
   if (draw.chance(8)) plan.ring_body_count = draw_count(draw, 8, 25, room);
-  // The contacts of a body that bounces are solved again at one pose.
+  // The contacts of a body that bounces are solved again at the same pose.
   if (plan.ring_body_count > 0 && plan.settings.integrator == IntegratorKind::semi_implicit_euler && draw.half()) {
     plan.features[static_cast<std::size_t>(WorldFeature::locate_impacts)] = true;
     plan.settings.locate_impacts = true;
@@ -179,7 +179,7 @@ void WorldBuilder::add_ring(std::uint32_t count) {
   for (std::uint32_t i = 0; i + 1 < count; ++i) {
     const Point to = directions[i % std::size(directions)];
     const double surface = is_disc ? radius : radius / std::max(std::abs(to.x), std::abs(to.y));
-    // Those of one direction follow each other without touching.
+    // Bodies of one direction follow each other without touching.
     const std::size_t row = i / std::size(directions);
     const double distance = surface + small * (4.0 * static_cast<double>(row) + draw.part(16, 32, 16));
     const double speed = size * draw.one_of({0.5, 2, 8, 32});
@@ -204,7 +204,7 @@ void WorldBuilder::add_shots(std::uint32_t count) {
     body.name = shot_prefix + std::to_string(i);
     body.shapes.push_back(circle(size / 4));
     body.gravity_scale = 0;
-    // m/s, along the wall: slow enough for a box with a margin, which a body at rest has no use for
+    // m/s, along the wall: slow enough for a box with a margin. A body at rest needs no margin.
     const double drift = draw.chance(25) ? 0 : size / 256;
     push(std::move(body), {{start.x, start.y + size * i}, 0, {0, drift}, 0});
   }
