@@ -1,10 +1,11 @@
-# Libraries from outside, found by CMAKE_PREFIX_PATH. What is header-only comes through a folder of links, so that a
-# cross build does not see the rest of the include directory where they lie.
+# Libraries from outside, found by CMAKE_PREFIX_PATH. Header-only libraries come through a folder of links, so that a
+# cross build does not see the rest of their include directory.
 set(ticktrue_farm ${CMAKE_BINARY_DIR}/header_farm)
 file(MAKE_DIRECTORY ${ticktrue_farm})
 
-# ticktrue_link_headers(NAME HEADER PACKAGE [ENTRY...]): finds HEADER and links the ENTRYs beside its first folder (default:
-# that folder). Sets ticktrue_NAME_INCLUDE_DIR. Headers are the same for every target: a toolchain's root is not asked.
+# ticktrue_link_headers(NAME HEADER PACKAGE [ENTRY...]): finds HEADER and links the ENTRYs beside its first folder
+# (default: this folder). Sets ticktrue_NAME_INCLUDE_DIR. Headers are the same for every target, so a toolchain's root
+# is not searched.
 function(ticktrue_link_headers name header package)
   find_path(ticktrue_${name}_INCLUDE_DIR NAMES ${header} NO_CMAKE_FIND_ROOT_PATH
     PATHS /usr/local/include /usr/include DOC "Folder that holds ${header}")
@@ -34,7 +35,7 @@ if(TICKTRUE_BUILD_TESTS)
 endif()
 add_library(ticktrue_headers INTERFACE)
 target_include_directories(ticktrue_headers SYSTEM INTERFACE ${ticktrue_farm})
-# Natively the library of fmt beside its headers is linked; elsewhere there is none, and every unit compiles it anew.
+# Native builds link the library of fmt beside its headers. Other builds have no such library: every unit compiles fmt.
 get_filename_component(ticktrue_fmt_prefix ${ticktrue_fmt_INCLUDE_DIR} DIRECTORY)
 find_library(FMT_LIBRARY fmt PATHS ${ticktrue_fmt_prefix} NO_DEFAULT_PATH
   PATH_SUFFIXES lib lib64 lib/${CMAKE_LIBRARY_ARCHITECTURE})
@@ -90,7 +91,7 @@ if(TICKTRUE_WITH_THREADS)
   target_compile_definitions(ticktrue_threads INTERFACE TICKTRUE_HAS_THREADS)
 endif()
 
-# The window of `ticktrue play`: linked into the tool where it is found, natively only.
+# The window of `ticktrue play`: linked into the tool if it is found, natively only.
 if(TICKTRUE_WITH_SDL2 AND NOT CMAKE_CROSSCOMPILING AND NOT CMAKE_TOOLCHAIN_FILE)
   find_library(SDL2_LIBRARY SDL2)
   find_path(SDL2_INCLUDE_DIR SDL2/SDL.h)
@@ -103,7 +104,7 @@ if(TICKTRUE_WITH_SDL2 AND NOT CMAKE_CROSSCOMPILING AND NOT CMAKE_TOOLCHAIN_FILE)
   endif()
 endif()
 
-# Debug information for `ticktrue columns`: linked into the tool where it is found, natively only.
+# Debug information for `ticktrue columns`: linked into the tool if it is found, natively only.
 if(TICKTRUE_WITH_LIBDW AND NOT CMAKE_CROSSCOMPILING AND NOT CMAKE_TOOLCHAIN_FILE)
   find_library(LIBDW_LIBRARY dw)
   find_path(LIBDW_INCLUDE_DIR elfutils/libdwfl.h)

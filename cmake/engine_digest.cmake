@@ -1,12 +1,12 @@
-# What a verdict of this build depends on: sources after preprocessing, flags and compiler of each unit, as a digest.
-# Comments, line numbers, names of folders and the commit do not count.
+# The digest of the inputs of a build's verdicts: sources after preprocessing, flags and compiler of each unit.
+# Comments, line numbers, names of folders and the commit have no effect.
 #
-# ticktrue_engine_digest(OUT NAME TARGET...): OUT becomes a source file that defines the lines NAME, one for each unit of
-# the targets (tool/corpus/engine_digest.h).
-# TARGET:FILE means one unit of a target. A unit is preprocessed again after its object was made again, if time or size of a
-# file that it reads has changed. Where a file is newer than the object, somebody edited it while the build ran: that build
-# gets a digest of its own. Without Ninja, a POSIX shell's tools or a native build there is no digest, and
-# `ticktrue corpus` says so.
+# ticktrue_engine_digest(OUT NAME TARGET...): OUT becomes a source file that defines the lines NAME, one for each unit
+# of the targets (tool/corpus/engine_digest.h).
+# TARGET:FILE means one unit of a target. When a unit's object was rebuilt and time or size of a file that it reads has
+# changed, the unit is preprocessed again. If a file is newer than the object, somebody edited it during the build: this
+# build gets a digest of its own. Without Ninja, a POSIX shell's tools or a native build there is no digest, and
+# `ticktrue corpus` reports this.
 if(NOT CMAKE_SCRIPT_MODE_FILE)
   function(ticktrue_engine_digest out lines)
     set(folder ${CMAKE_BINARY_DIR}/engine_digest)
@@ -44,7 +44,7 @@ endif()
 
 cmake_policy(VERSION 3.25)
 
-# Writes only what differs, so that nothing is compiled again for the same digest.
+# Writes a file only if its text differs, so that nothing is compiled again for the same digest.
 function(write_changed file text)
   set(old "")
   if(EXISTS ${file})
@@ -78,7 +78,8 @@ const char* const ${LINES} =
   return()
 endif()
 
-# Times and sizes of the files that a unit reads, as one hash; and whether one of them is newer than its object.
+# One hash of the times and sizes of the files that a unit reads, and whether one of these files is newer than its
+# object.
 function(look_at_files fingerprint is_edited depfile object)
   set(${fingerprint} "" PARENT_SCOPE)
   set(${is_edited} FALSE PARENT_SCOPE)
@@ -122,7 +123,8 @@ foreach(command ${commands})
   string(REPLACE "\\\"" "\"" command "${command}")
   string(REPLACE "\\\\" "\\" command "${command}")
   separate_arguments(words UNIX_COMMAND "${command}")
-  # What runs the compiler (ccache), folders, names of files and the commit do not change what is computed.
+  # The launcher of the compiler (ccache), folders, names of files and the commit do not change the results of a
+  # program.
   set(call)
   set(flags)
   set(is_call FALSE)
@@ -153,7 +155,7 @@ foreach(command ${commands})
     message(FATAL_ERROR "engine digest: ${UNIT}: cannot read the command: ${command}")
   endif()
   if("${flags}" MATCHES "-fprofile-(instr-)?use")
-    list(APPEND flags "${now}")  # profiles are not looked at: each build is another one
+    list(APPEND flags "${now}")  # the contents of profiles are unknown: each build gets its own digest
   endif()
   string(SHA256 flags_hash "${flags} ${compiler} ${machine}")
   string(MD5 name "${source}")

@@ -1,4 +1,4 @@
-# `cmake --install`: the tool, the C interface as a library, and what finds them (CMake package, pkg-config).
+# `cmake --install`: the tool, the C interface as a library, and the files that locate them (CMake package, pkg-config).
 include(GNUInstallDirs)
 include(CMakePackageConfigHelpers)
 set(ticktrue_package ${CMAKE_INSTALL_LIBDIR}/cmake/ticktrue)

@@ -1,4 +1,4 @@
-# Tests that a build which would change results is refused, by the compiler or at configuration, with the reason.
+# Tests that a build with changed results is refused, by the compiler or at configuration, with the reason.
 set(ticktrue_probe ${CMAKE_CURRENT_BINARY_DIR}/refusal_probe.cpp)
 file(CONFIGURE OUTPUT ${ticktrue_probe} CONTENT "#include \"base/bytes.h\"\nint main() { return 0; }\n")
 
@@ -9,7 +9,7 @@ function(ticktrue_add_refusal_test name message)
   set_tests_properties(refusal_${name} PROPERTIES PASS_REGULAR_EXPRESSION "${message}")
 endfunction()
 
-# The control: without such a flag the same file compiles.
+# The control: without such a flag, the same file compiles.
 add_test(NAME refusal_none
   COMMAND ${CMAKE_CXX_COMPILER} -std=c++20 -fsyntax-only -I${PROJECT_SOURCE_DIR} ${ticktrue_probe})
 ticktrue_add_refusal_test(fast_math "fast-math changes results" -ffast-math)
@@ -22,7 +22,7 @@ if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU")
   endif()
 endif()
 
-# Flags no macro tells of are refused at configuration.
+# Flags without a macro are refused at configuration.
 foreach(variable CMAKE_CXX_FLAGS CMAKE_EXE_LINKER_FLAGS)
   add_test(NAME refusal_configure_${variable}
     COMMAND ${CMAKE_COMMAND} -D${variable}=-fassociative-math -DCMAKE_BUILD_TYPE=Release

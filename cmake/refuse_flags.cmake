@@ -1,6 +1,6 @@
-# Stops the configuration where a compiler or linker flag would change results. Also runs as a script: cmake -P.
-# By name, since not every compiler has a macro for each of them. For the link as well: g++ -shared -ffast-math makes
-# the whole process flush denormals to zero.
+# Stops the configuration if a compiler or linker flag would change results. Also runs as a script: cmake -P. Flags are
+# found by name, since not every compiler has a macro for each flag. Linker flags are checked, too: g++ -shared
+# -ffast-math makes the whole process flush denormals to zero.
 cmake_minimum_required(VERSION 3.25)
 set(ticktrue_banned_flags
   -ffast-math -Ofast -ffp-contract=fast -funsafe-math-optimizations -fassociative-math -freciprocal-math -ffinite-math-only

@@ -4,7 +4,7 @@
 #   PLUGIN     a target of this project, or a library: the simulation, if it is not the tool's own
 #   COMMAND    a program that owns its loop: it is run with --verify and the trace behind its arguments
 #   ARGUMENTS  more words for `ticktrue verify`
-# A trace that cannot be judged here (exit code 5: other version, schema or simulation) counts as failed, not skipped.
+# A trace that cannot be judged (exit code 5: other version, schema or simulation) counts as failed, not as skipped.
 function(ticktrue_add_trace_test)
   cmake_parse_arguments(PARSE_ARGV 0 test "" "NAME;TRACE;PLUGIN" "COMMAND;ARGUMENTS")
   if(NOT test_NAME OR NOT test_TRACE)

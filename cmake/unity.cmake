@@ -1,5 +1,5 @@
-# TICKTRUE_UNITY: sources are compiled together, so that their headers are read once instead of ninety times, which is most
-# of the time of a first build: all of a target at once, or CMAKE_UNITY_BUILD_BATCH_SIZE of them.
+# TICKTRUE_UNITY: sources are compiled together, all of a target at once, or CMAKE_UNITY_BUILD_BATCH_SIZE of them.
+# Headers are then read once instead of ninety times, which is most of the time of a first build.
 if(TICKTRUE_UNITY)
   target_compile_options(ticktrue_warnings INTERFACE -Wno-shadow)  # local names of one file beside those of another
   set(apart)
@@ -9,8 +9,8 @@ if(TICKTRUE_UNITY)
   if(WIN32)
     list(APPEND apart tool/output/progress.cpp)  # `near` and `far` are macros of windows.h
   endif()
-  # Their local names collide with those of another file. tests/platforms/one.sh builds file by file where this list
-  # misses one.
+  # Local names of these files collide with those of another file. tests/platforms/one.sh builds file by file if this
+  # list lacks a file.
   foreach(source ${apart}
       verifier/report/exit_codes.cpp
       verifier/report/fact_differences.cpp

@@ -38,7 +38,7 @@ version=$(sed -n 's/^CMAKE_PROJECT_VERSION:STATIC=//p' "$build/CMakeCache.txt")
 for file in ticktrue libticktrue.a "libticktrue.so.$version"; do
   [ -f "$build/packaged/$file" ] || fail "$build/packaged/$file: found no such file" "cmake --build $build --target ticktrue_packaged"
 done
-# All times within the archives are that of the commit; sources without a repository have it as the time of their files.
+# All times within the archives are the time of the commit. Sources without a repository use the time of their files.
 if [ -z "${SOURCE_DATE_EPOCH-}" ]; then
   SOURCE_DATE_EPOCH=$(git -C "$source" log -1 --format=%ct 2>/dev/null || stat -c %Y "$source/CMakeLists.txt")
 fi
@@ -54,8 +54,8 @@ pack() {
     gzip "-${level}n" <"$work/archive.tar" >"$out/$2.tar.gz" && rm "$work/archive.tar" || exit 1
 }
 
-# bring_libraries PREFIX: shared libraries that the tool brings along in lib/ticktrue, each under the name by which it is
-# asked for. muParser asks for OpenMP's, which a machine without a compiler lacks.
+# bring_libraries PREFIX: copies shared libraries that the tool needs to lib/ticktrue, each under the name by which it is
+# loaded. muParser needs OpenMP's library, which a machine without a compiler may lack.
 bring_libraries() {
   mkdir -p "$1/lib/ticktrue" || exit 1
   for library in libbox2d libmuparser libfmt libgomp; do
@@ -67,13 +67,13 @@ bring_libraries() {
   chmod 644 "$1"/lib/ticktrue/*
 }
 
-# stage PREFIX: what is installed, with the programs and libraries of target ticktrue_packaged.
+# stage PREFIX: the installed files, with the programs and libraries of target ticktrue_packaged.
 stage() {
   cmake --install "$build" --prefix "$1" --component sdk >"$work/log" || { cat "$work/log" >&2; exit 1; }
   cp "$build/packaged/ticktrue" "$1/bin/ticktrue" &&
     cp "$build/packaged/libticktrue.so.$version" "$build/packaged/libticktrue.a" "$1/lib/" || exit 1
   strip --strip-unneeded "$1/bin/ticktrue" "$1/lib/libticktrue.so.$version" "$1/lib/libticktrue_shim.so" || exit 1
-  # libticktrue.a holds zstd.
+  # libticktrue.a contains zstd.
   sed -i 's/-lzstd //' "$1/lib/pkgconfig/ticktrue-static.pc" &&
     sed -i '/INTERFACE_LINK_LIBRARIES/s/"zstd;/"/' "$1/lib/cmake/ticktrue/ticktrue-targets.cmake" || exit 1
   if grep -rq zstd "$1/lib/cmake" "$1/lib/pkgconfig"; then
@@ -91,7 +91,7 @@ add_papers() {
   sed 's/](\([a-z_]*\.\(md\|yml\)\)/](docs\/\1/g' "$source/docs/quickstart.md" >"$1/QUICKSTART.md" || exit 1
 }
 
-# What is linked into the programs, as packages of Debian: those of the library first.
+# The libraries that are linked into the programs, as packages of Debian; those of libticktrue first.
 in_library='libzstd-dev libxxhash-dev nlohmann-json3-dev libstdc++-12-dev'
 in_tool='libbox2d-dev libmuparser-dev libfmt-dev libgomp1 libdw-dev libelf-dev zlib1g-dev liblzma-dev libbz2-dev libcli11-dev
 libstb-dev'
@@ -119,7 +119,7 @@ add_licences() {
   cp /usr/share/common-licenses/LGPL-3 /usr/share/common-licenses/GPL-2 /usr/share/common-licenses/GPL-3 "$1" || exit 1
 }
 
-# glibc_version PREFIX: the newest version of the C library that the programs ask for.
+# glibc_version PREFIX: the newest version of the C library that the programs need.
 glibc_version() {
   objdump -T "$1/bin/ticktrue" "$1"/lib/*.so | grep -o 'GLIBC_[0-9.]*' | sed 's/GLIBC_//' | sort -Vu | tail -n 1
 }
@@ -181,7 +181,7 @@ CONTROL
     { cat "$work/log" >&2; exit 1; }
 }
 
-# Of the work tree's commit, with the time of the commit; a tree without a repository packs itself.
+# Packs the commit of the work tree, with the time of the commit; a tree without a repository is packed as it is.
 source_archive() {
   name=ticktrue-$version
   mkdir -p "$work/$name"
@@ -195,8 +195,8 @@ source_archive() {
   pack "$work" "$name"
 }
 
-# windows_archive TREE: the zip of an install tree of the MinGW build: bin/ (tool, libticktrue.dll), lib/ (import library,
-# CMake package), include/. Whoever builds for Windows calls this with it; papers and licences are added here.
+# windows_archive TREE: the zip of an install tree of the MinGW build: bin/ (tool, libticktrue.dll), lib/ (import
+# library, CMake package), include/. Builders for Windows call this function with the tree; it adds papers and licences.
 windows_archive() {
   command -v zip >/dev/null || fail "found no zip" "apt-get install zip"
   [ -n "$(find "$1" -name '*.dll' -print -quit)" ] || fail "$1: found no .dll, expected an install tree" "cmake --install"

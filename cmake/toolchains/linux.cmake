@@ -1,5 +1,5 @@
-# What the Linux cross toolchains share: Debian's cross compiler for ticktrue_triplet, and qemu's user mode emulator of
-# ticktrue_qemu. Libraries of the build machine are never found.
+# The common part of the Linux cross toolchains: Debian's cross compiler for ticktrue_triplet, and qemu's user mode
+# emulator of ticktrue_qemu. Libraries of the build machine are never found.
 set(CMAKE_SYSTEM_NAME Linux)
 set(CMAKE_CXX_COMPILER ${ticktrue_triplet}-g++)
 if(ticktrue_qemu)

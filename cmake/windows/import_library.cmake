@@ -1,4 +1,4 @@
-# Names the library in the .def that the linker wrote, and makes the .lib that the linkers of Microsoft and LLVM read.
+# Writes the name of the library into the linker's .def, and makes the .lib that the linkers of Microsoft and LLVM read.
 # SPDX-License-Identifier: MIT
 # cmake -D DEF=F.def -D DLL=NAME.dll -D LIB=F.lib [-D LLD_LINK=PROGRAM] -P import_library.cmake
 file(READ ${DEF} exports)
