@@ -1,11 +1,11 @@
 #!/bin/sh
-# Runs the commands of docs/experiments.md and puts what they print in their place, or compares it.
+# Runs the commands of docs/experiments.md and replaces their output, or compares it.
 # SPDX-License-Identifier: MIT
 #
 # usage: experiments.sh run|check all|same|quick     with the tools on PATH
-# A block begins with "```text", "```text same" or "```text quick" and a line "$ COMMAND". What `same` and `quick` ones
-# print is the same on every machine; those that are `quick` take seconds. Commands run in docs/; raw data goes to
-# out/experiments. check: exit code 1 where a block that should be the same is not, and the difference on stdout.
+# A block begins with "```text", "```text same" or "```text quick" and a line "$ COMMAND". The output of `same` and
+# `quick` blocks is the same on every machine; `quick` blocks take seconds. Commands run in docs/; raw data goes to
+# out/experiments. check: exit code 1 if a block that should be the same differs, with the difference on stdout.
 set -u
 cd "$(dirname "$0")/.." || exit 2
 action=${1-run}

@@ -16,7 +16,7 @@ namespace {
 constexpr std::size_t range_size = std::size_t{1} << 36;
 constexpr std::size_t unit = 16;                          // bytes: block sizes are multiples of it
 constexpr std::size_t class_count = 4096;                 // of sizes that are reused
-constexpr std::size_t large_size = std::size_t{1} << 20;  // bytes: freed pages of larger blocks return to the system
+constexpr std::size_t large_size = std::size_t{1} << 20;  // bytes: freed blocks of this size return their pages
 constexpr std::size_t page_size = 4096;
 constexpr std::uint64_t stack_count_max = 2'000'000;  // allocations with a recorded stack
 
