@@ -1,10 +1,9 @@
-// Time of a tick of a built-in scene, ours and Box2D's in turn in one process, so that both run on the same machine
-// load.
+// Time of a tick of a built-in scene, ours and Box2D's in turn in one process, under the same machine load.
 // SPDX-License-Identifier: MIT
 //
-// Each repeat makes both worlds again, steps tick 0 untimed (it builds what later ticks keep), then lets them take
-// turns in blocks of ticks. A block's time over its ticks is one sample; median, least and quartiles are over all
-// samples. Stages are timed in a run of their own, so that looking at the clock slows nothing that is compared.
+// Each repeat makes both worlds again and steps tick 0 untimed, since it builds what later ticks keep. Then both worlds
+// take turns in blocks of ticks. A block's time divided by its ticks is one sample; median, least and quartiles are
+// over all samples. Stages are timed in a separate run, so that reading the clock does not slow the compared runs.
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>

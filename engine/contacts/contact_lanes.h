@@ -31,7 +31,7 @@ struct ContactPointLanes {
   ContactLanes tangent_arm_a, tangent_arm_b;
   ContactLanes separation;          // at the start of the tick, plus slop, m
   ContactLanes present_separation;  // at the poses of `fill` or of the last `relax`, m
-  ContactLanes normal_mass;         // effective mass, kg; 0 where there is no point
+  ContactLanes normal_mass;         // effective mass, kg; 0 if the point does not exist
   ContactLanes normal_impulse;      // N s, accumulated in this substep
   ContactLanes tangent_mass;
   ContactLanes tangent_impulse;

@@ -1,4 +1,4 @@
-// Integration of bodies without constraints, beside those that have some.
+// Separate integration of bodies without constraints.
 // SPDX-License-Identifier: MIT
 #include "engine/integrators/free_bodies.h"
 

@@ -28,7 +28,7 @@ struct FreeMotion {
 struct StageRow {
   MovingBody start;
   Twist velocities;     // sum over the stages so far, with their weights
-  Twist accelerations;  // likewise
+  Twist accelerations;  // sum over the stages so far, with their weights
 };
 
 /// A spring of this tick, with the rows of its bodies. The dummy body stands for the world.

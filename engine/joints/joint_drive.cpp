@@ -5,8 +5,8 @@
 // substep stays within h times the largest force. Rows: joint_rows.h.
 //
 // linear = the point's two rows, angular = the angle (motor, friction).
-// Motor: B's origin to `offset` in A's frame, the angle to `angle_offset`; by `spring`, or as stiffly as rigid rows
-// where the scene has none.
+// Motor: B's origin to `offset` in A's frame, the angle to `angle_offset`; by `spring`, or as stiffly as rigid rows if
+// the scene has no spring.
 // Friction: at B's centre of mass, against the point of A at the same place.
 // Target: anchor_a is the point of the world, A the dummy body.
 #include "engine/joints/joint_rows.h"

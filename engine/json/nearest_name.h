@@ -1,4 +1,4 @@
-// The known name that somebody most likely meant.
+// The known name that is nearest to an unknown one.
 // SPDX-License-Identifier: MIT
 #pragma once
 

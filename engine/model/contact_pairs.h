@@ -22,7 +22,7 @@ struct Manifold {
   ManifoldPoint points[2];
 };
 
-/// A contact: a pair that touches or will touch soon. Parallel to State::contacts where the pipeline has that table.
+/// A contact: a pair that touches or will touch soon. Parallel to State::contacts if the pipeline has this table.
 struct ContactPair {
   std::uint32_t body_a;  // row
   std::uint32_t body_b;

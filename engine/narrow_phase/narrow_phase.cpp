@@ -121,7 +121,7 @@ struct PairSearch {
   bool may_reuse;                // contacts of bodies with the same bits as in the tick before are the same
   bool is_in_place;              // contacts are written to the places of the tick before
   const ContactRow* old_rows;    // of the tick before, ascending
-  const ContactPair* old_pairs;  // likewise, if may_reuse
+  const ContactPair* old_pairs;  // of the tick before, if may_reuse
   std::size_t old_count;
   std::uint32_t generation;
   bool may_skip;         // blocks with the same pairs as in the tick before are valid

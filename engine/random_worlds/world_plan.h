@@ -48,11 +48,11 @@ struct WorldPlan {
   bool collides = true;                // false: no two shapes may touch
   bool is_quiet = false;               // a few bodies rest beside many that move in touch, and are pushed later
   std::uint32_t body_count = 2;        // without those of structures
-  std::uint32_t link_count = 0;        // of a row of links; 0: there is none
-  std::uint32_t plate_body_count = 0;  // of a plate under many bodies; 0: there is none
-  std::uint32_t ring_body_count = 0;   // that close in on a large body; 0: there is none
-  std::uint32_t shot_count = 0;        // bodies, almost at rest, that an input shoots at a wall; 0: there is none
-  std::uint32_t net_columns = 0;       // of a net of joints that is the whole world; 0: there is none
+  std::uint32_t link_count = 0;        // of a row of links; 0: none
+  std::uint32_t plate_body_count = 0;  // of a plate under many bodies; 0: none
+  std::uint32_t ring_body_count = 0;   // of a ring that closes in on a large body; 0: none
+  std::uint32_t shot_count = 0;        // bodies, almost at rest, that an input shoots at a wall; 0: none
+  std::uint32_t net_columns = 0;       // of a net of joints that is the whole world; 0: none
   std::uint32_t net_rows = 0;
   std::uint64_t tick_count = 1;
 

@@ -129,7 +129,7 @@ struct Joint {
   double torque_max = 0;                     // N m; motor, friction
   bool collide_connected = false;            // whether the two bodies touch each other
   Point ground_anchor_a;                     // pulley: point of the world, m; one end of A's rope
-  Point ground_anchor_b;                     // pulley: likewise for B
+  Point ground_anchor_b;                     // pulley: point of the world, m; one end of B's rope
   double ratio = 1;                          // pulley: r > 0 in l_a + r l_b
   bool operator==(const Joint&) const = default;
 };

@@ -12,7 +12,7 @@ namespace {
 /// Each pass that meets the positions multiplies the error by the angle of a substep.
 constexpr int position_pass_max = 4;
 constexpr double position_tolerance = sizeof(Real) == 4 ? 1e-8 : 1e-12;  // m, rad; below the rounding of poses
-/// The number of alternations of joints and contacts before the move, and after it.
+/// Alternations of joints and contacts, before the move and after it, if something touches a jointed body of the set.
 constexpr int turn_count_of_touched = 2;
 
 Triple velocity_of(const MovingBody& body) {
