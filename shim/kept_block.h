@@ -25,7 +25,7 @@ struct alignas(16) KeptBlock {
   KeptBlock* self;  // directly before the block, wherever the block begins
 };
 
-/// The heap's values that the session reads.
+/// The values of the heap that the session reads and sets.
 struct KeptHeap {
   char* begin;              // null: no block was allocated
   char* top;                // after the last block

@@ -16,8 +16,8 @@ struct Chunk {
   std::size_t end;
 };
 
-/// Lines of steps with dependencies (a wavefront): step s of a line runs after the steps before s of the same line and
-/// after the steps before s + lag of the previous line.
+/// Lines of steps with dependencies (a wavefront). Step s of a line runs after the steps before s of this line. It also
+/// runs after the steps before s + lag of the previous line.
 struct Lines {
   std::size_t line_count;
   std::size_t step_count;  // of each line

@@ -9,8 +9,8 @@
 namespace ticktrue::engine::TICKTRUE_PRECISION {
 namespace {
 
-// If more than one in so many moving bodies has an unchanged pose, the narrow phase looks for contacts that it can
-// keep.
+// If more than one in this many bodies that are not static has an unchanged pose, the narrow phase looks for contacts
+// that it can keep.
 constexpr std::size_t bodies_per_unchanged = 4;
 
 /// Copies the pairs whose boxes overlap; returns their number. No shape has a CCD margin. The loop has no branch, since

@@ -12,8 +12,8 @@
 namespace ticktrue::engine::TICKTRUE_PRECISION {
 namespace {
 
-/// A side that is shorter than this share of the rope at the start of a tick has no direction and no impulse in the
-/// tick. The share is ten times a slop of a 2000th; for a rope of 10 m this is the 5 cm of Box2D. The choice is made
+/// A side that is shorter than this share of the rope at the start of a tick has no direction in the tick, and gets no
+/// impulse. The share is ten times a slop of a 2000th; for a rope of 10 m this is the 5 cm of Box2D. The choice is made
 /// once per tick, so that the relax pass removes what the bias added.
 constexpr Real shortest_share = Real(10.0 / 2000);
 

@@ -233,7 +233,7 @@ inline void solve_rigid_point(JointWork& joint, const PointRow& row, JointBodies
 }
 
 /// The angle of two bodies that a point constraint joins. An angular impulse includes the reaction of the point
-/// constraint, so that the point stays at rest and the row of the angle is solved as if alone.
+/// constraint, so that the point stays at rest. The row of the angle is then solved as if alone.
 struct ConstrainedAngleRow {
   Real mobility;
   Vec2 reaction;  // of the point constraint, per angular impulse, 1/m

@@ -66,7 +66,7 @@ class TreeBuilder : public nlohmann::json_sax<nlohmann::json> {
       ++line;
       column = 0;
     }
-    // The part after the last ": " of "[json.exception.parse_error.101] parse error at line 1, column 8: syntax error
+    // The reason is the last part of "[json.exception.parse_error.101] parse error at line 1, column 8: syntax error
     // while ...".
     std::string_view reason = exception.what();
     if (const std::size_t at = reason.find("] "); at != std::string_view::npos) reason.remove_prefix(at + 2);
