@@ -6,8 +6,7 @@
 // A contact is solved in the frame of its normal n and tangent t. With u the relative velocity of the centres of mass
 // along n or t, w the angular velocities, r the anchors and m the sum of the inverse masses,
 //   velocity of the point = u + w_b (r_b x n) - w_a (r_a x n),     an impulse P adds m P to u, i (r x n) P to w.
-// The sum of a contact's impulses is added to the bodies' velocities once, at the end. Normals come first, then
-// friction.
+// The bodies' velocities get the sum of a contact's impulses once, at the end. Normals come first, then friction.
 #include "engine/model/solver_kernels.h"
 #include "engine/simd/realx2n.h"
 
