@@ -474,9 +474,8 @@ std::size_t blocks_of(std::size_t pair_count) {
 constexpr std::size_t pairs_per_chunk_least = 48;
 constexpr std::size_t pairs_per_contact_dense = 2;
 
-/// Finds contacts in chunks. Each chunk writes to the places of its contacts of the tick before; further contacts go to
-/// the spill. If every chunk has filled exactly its places, the list is complete; otherwise all contacts are copied to
-/// their places.
+/// Finds contacts in chunks. Each chunk writes to its places of the tick before; further contacts go to the spill.
+/// Unless every chunk fills exactly its places, all contacts are then copied to their places.
 FoundContacts find_contacts_in_chunks(const PairSearch& search, NarrowPhaseWork& work, PairBlock* blocks,
                                       std::size_t chunk_size) {
   const std::size_t pair_count = search.tick.pairs.size();
