@@ -28,7 +28,7 @@ struct ContactBatches {
   std::vector<SurfaceLanes> surfaces;  // [batch]; empty if no material of the scene has surface effects
   std::vector<BounceLanes> bounces;    // [batch]; empty if the kernels leave restitution out
   std::size_t batch_count = 0;
-  std::vector<std::uint32_t> slots;  // [batch of the set, lane] contact or no_contact; if the set has some contacts
+  std::vector<std::uint32_t> slots;  // [batch of the set, lane] contact or no_contact; for sets of some contacts
   std::vector<BatchRun> runs;        // in solving order
   std::vector<ContactLanes> saved;   // [batch of the set, point] normal impulses
 };
