@@ -274,8 +274,8 @@ TICKTRUE_API int ticktrue_desync_receive(ticktrue_session* session, uint32_t pee
    states of all players are compared: then each of them has the same report. ticktrue_report has it, too. */
 TICKTRUE_API const char* ticktrue_desync_report(ticktrue_session* session, int* complete);
 
-/* Writes one file to send: a trace of this player's ticks from a save before the first difference on (without saves,
-   from tick 0), with the roots, build facts and differing rows of the others. `ticktrue show` and `ticktrue report` say
+/* Writes one file to send: a trace of this player's ticks with the roots, build facts and differing rows of the others.
+   It begins at a save before the first difference, without saves at tick 0. `ticktrue show` and `ticktrue report` say
    who differs; `ticktrue verify --command` runs this player's ticks again. Call it once ticktrue_desync_report is
    complete, or at the end of the match: it holds what is known by then. The ticks come from the recording or the black
    box of the session. Without one they are those in memory (peer_bytes), which have no save. TICKTRUE_REFUSED: no

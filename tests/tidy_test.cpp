@@ -399,7 +399,8 @@ void check_marks(const SourceFile& file, std::string_view line, std::size_t numb
 
 // What libticktrue is built from, and where words of one compiler may stand in it: the header for all compilers, and
 // the units whose words choose the instructions of kernels.
-constexpr std::string_view library_sources = "base/,replay/,capi/,verifier/report/,verifier/locate/,verifier/verify/";
+constexpr std::string_view library_sources =
+    "base/,replay/,capi/,verifier/report/,verifier/locate/,verifier/peers/,verifier/verify/";
 constexpr std::string_view compiler_words_in =
     "base/compiler/compiler.h,base/bytes.h,base/hash.cpp,base/row_kernels.cpp,base/parallel/workers.cpp";
 constexpr std::array<std::string_view, 9> compiler_words{"__builtin_", "__attribute__", "__asm",

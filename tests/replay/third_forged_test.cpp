@@ -404,7 +404,7 @@ TEST_CASE("a forged peer is refused: each limit holds, and one more is not", "[r
     CAPTURE(size);
     CHECK(contains(fault(Bytes(whole.begin(), whole.begin() + static_cast<std::ptrdiff_t>(size))), "(peer): peer: "));
   }
-  CHECK(fault_with([](replay::PeerRecord& peer) { peer.player = 254; }).empty());
+  CHECK(fault_with([](replay::PeerRecord& peer) { peer.player = 254, peer.recorder = 0; }).empty());
   CHECK(contains(fault_with([](replay::PeerRecord& peer) { peer.player = 255; }),
                  "player: found 255, expected at most 254"));
   CHECK(contains(fault_with([](replay::PeerRecord& peer) { peer.player = peer.recorder; }), "who recorded"));
