@@ -3,6 +3,7 @@
 #include "verifier/peers/bundle.h"
 
 #include <fstream>
+#include <functional>
 #include <random>
 #include <string>
 #include <variant>
