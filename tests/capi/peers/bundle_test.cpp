@@ -31,6 +31,7 @@ MatchOptions flip_options(std::uint64_t seed, const TracePath& place) {
   options.rolls_back = random() % 2 == 0;
   options.keeps = static_cast<Keeps>(seed / 3 % 3);
   options.has_saves = random() % 4 != 0;
+  options.has_other_builds = true;
   options.folder = place("");
   options.fault = {Fault::flip,
                    static_cast<std::uint32_t>(random() % options.player_count),
@@ -121,6 +122,7 @@ TEST_CASE("bundles of 2 to 4 players tell what their sessions told, and run agai
       CHECK(text == player.report());
       CHECK(warnings == 0);
       CHECK(contains(text, "desync  live-game  tick " + std::to_string(options.fault.tick) + "\n"));
+      CHECK(contains(text, "differs optimize: player 0 speed, player 1 no\n"));
       if (p == 0) first_text = text;
       CHECK(text == first_text);
       CHECK(first_tick <= options.fault.tick);
@@ -392,11 +394,11 @@ TEST_CASE("the rows of a player give its tables again, with keys and without", "
       std::vector<Bytes> rows(3);
       for (int t = 0; t < 3; ++t) {
         std::uint32_t id = 0;
-        for (std::uint32_t i = random() % 12; i > 0; --i) {
-          id += 1 + random() % 3;
+        for (auto i = random() % 12; i > 0; --i) {
+          id += static_cast<std::uint32_t>(1 + random() % 3);
           ByteWriter row;
           row.u32(id * (round % 2 == 0 ? 1 : 1000));
-          row.u32(random() % 2);
+          row.u32(static_cast<std::uint32_t>(random() % 2));
           rows[static_cast<std::size_t>(t)].insert(rows[static_cast<std::size_t>(t)].end(), row.view().begin(),
                                                    row.view().end());
         }

@@ -162,6 +162,7 @@ struct MatchOptions {
   PlantedFault fault;
   Keeps keeps = Keeps::memory;
   std::string folder;  // of recordings
+  bool has_other_builds = false;
   bool has_saves = true;
   std::uint32_t checkpoint_interval = 10;
 };
@@ -193,6 +194,7 @@ class MatchPlayer {
     session.rollback_max = options.rolls_back ? 64 : 0;
     session.peer_bytes = options.peer_bytes;
     session.player = number;
+    if (options.has_other_builds) session.caller_facts = number % 2 == 0 ? "optimize=speed" : "optimize=no";
     path_ = options.folder + "/player_" + std::to_string(number) + ".ttr";
     if (options.keeps != Keeps::memory) {
       session.mode = TICKTRUE_RECORD;

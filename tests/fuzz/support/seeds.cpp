@@ -186,7 +186,7 @@ void seed_third_trace(replay::Detail detail, std::uint64_t first_tick) {
   peer.roots = {{peer.tick - 1, 7}, {peer.tick, 8}};
   peer.inputs = replay::inputs_of(0.5, content);
   peer.has_state = true;
-  peer.tables = {{1, {0}, {0}, Bytes(setup.schema.tables[1].row_size, 1)}};
+  peer.tables = {{0, {0}, {0}, Bytes(setup.schema.tables[0].row_size, 1)}};
   is_written = is_written && writer->checkpoint(toy.state(), root_hash(toy.state())) && writer->peer(peer);
   peer.player = 3;
   peer.has_state = false;
