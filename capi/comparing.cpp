@@ -14,6 +14,7 @@
 #include "verifier/locate/compare_marks.h"
 #include "verifier/locate/locate.h"
 #include "verifier/locate/schema_difference.h"
+#include "verifier/peers/bundle.h"
 
 namespace ticktrue::capi {
 namespace {
@@ -86,6 +87,7 @@ Comparing::Comparing(replay::TraceReader reader, std::string file, CompareRange 
   if (report_.ticks_recorded) *report_.ticks_recorded -= std::min(reader_.first_tick(), *report_.ticks_recorded);
   report_.first_tick = std::max(reader_.first_tick(), range_.from);
   report_.recorded_build = reader_.facts();
+  if (std::string about = verifier::bundle_note(setup(), report_.file); !about.empty()) note(about);
 }
 
 void Comparing::not_comparable(const std::string& reason, const std::string& hint) {

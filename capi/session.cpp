@@ -404,6 +404,7 @@ int Session::start() {
     if (const Status status = state_.freeze(); !status) return fail(status.error());
   if (const Status status = state_.gather(); !status) return fail(status.error());
   if (!comparing_) changes_.add(state_.view());
+  peers_->begin(state_.view());
   if (is_live_) return TICKTRUE_OK;
   if (recording_) {
     std::optional<Bytes> save;

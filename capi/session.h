@@ -42,7 +42,10 @@ class Session {
   ~Session();
 
   int status() const { return status_; }
+  /// Why the session failed or lost its recording.
   const std::string& message() const { return message_; }
+  /// That, else why the last call was refused.
+  const std::string& last_message() const { return message_.empty() ? refusal_ : message_; }
   std::uint64_t tick() const { return tick_; }
   ByteView setup() const;
 
@@ -83,6 +86,10 @@ class Session {
   int peer_root(std::uint32_t peer, std::uint64_t tick, std::uint64_t root);
   std::size_t desync_message(std::uint32_t peer, void* buffer, std::size_t size);
   int desync_receive(std::uint32_t peer, const void* bytes, std::size_t size);
+  /// One file about a desync. A file that cannot be written is refused, and the session goes on.
+  int bundle(const char* path);
+  /// The black box so far, as a trace. The same.
+  int box_save(const char* path);
   /// Empty: no desync is known.
   std::string desync_report(bool& is_complete);
 
@@ -144,6 +151,9 @@ class Session {
   void take_live_tick(const DoneTick& done);
   bool can_call_peers(const char* what, std::uint32_t peer);
   bool know_game();
+  replay::TraceSetup game_setup() const;
+  /// Nothing has changed: the session goes on.
+  int refuse(const Error& error);
   int peers_status() const { return peers_->has_desync() ? TICKTRUE_DIVERGED : TICKTRUE_OK; }
   /// Puts what is known of the other players into the report.
   void report_peers();
@@ -192,6 +202,7 @@ class Session {
   std::vector<std::string> live_notes_;  // of the report
   ChangeSummary changes_;
   bool is_recording_lost_ = false;
+  std::vector<std::string> file_notes_;    // about bundles and saved boxes
   std::string desync_text_, desync_json_;  // of the report
 
   GatheredState state_;
@@ -205,6 +216,7 @@ class Session {
   Phase phase_ = Phase::registering;
   int status_ = TICKTRUE_OK;
   std::string message_;
+  std::string refusal_;
   int exit_code_ = 0;
 
   std::uint64_t tick_ = 0;        // ticks done

@@ -8,7 +8,11 @@
 
 #include "base/hash.h"
 #include "base/plain_text.h"
+#include "capi/call_values.h"
+#include "capi/peers/bundle.h"
 #include "capi/session.h"
+#include "replay/box/recover_box.h"
+#include "replay/file/file_calls.h"
 #include "verifier/report/exit_codes.h"
 
 namespace ticktrue::capi {
@@ -46,15 +50,25 @@ bool Session::know_game() {
   if (peers_->has_game()) return true;
   if (!state_.is_frozen())
     if (const Status status = state_.freeze(); !status) return fail(status.error()), false;
+  peers_->set_game(game_setup(), facts_.all());
+  peers_->keep_states();
+  return true;
+}
+
+replay::TraceSetup Session::game_setup() const {
   replay::TraceSetup game;
   game.simulation = identity_.name;
   game.physics_version = identity_.version;
   game.dt = default_dt_;
   game.schema = state_.schema();
   game.setup.assign(setup().begin(), setup().end());
-  peers_->set_game(game, facts_.all());
-  peers_->keep_states();
-  return true;
+  return game;
+}
+
+int Session::refuse(const Error& error) {
+  refusal_ = plain_line(error.message);
+  if (!error.hint.empty()) refusal_ += "\n  " + plain_line(error.hint);
+  return TICKTRUE_REFUSED;
 }
 
 bool Session::can_call_peers(const char* what, std::uint32_t peer) {
@@ -124,6 +138,46 @@ int Session::desync_receive(std::uint32_t peer, const void* bytes, std::size_t s
   return peers_status();
 }
 
+int Session::bundle(const char* path) {
+  if (status_ == TICKTRUE_FAILED || refuse_in_callback("bundle")) return status_;
+  refusal_.clear();
+  if (path == nullptr || path[0] == 0) return refuse(usage("bundle: path: found none, expected a file name"));
+  if (comparing_) return refuse(usage("bundle: found a verification", "a live session or a recording writes one"));
+  if (!peers_->has_desync() || !peers_->has_game())
+    return refuse(usage("bundle: found no desync: no tick is known that differs",
+                        "ticktrue_peer_root and ticktrue_desync_receive return TICKTRUE_DIVERGED once there is one"));
+  BundleSource source;
+  if (is_recording() && recording_->is_started()) source.recording = path_;
+  source.is_box = recording_ && recording_->is_box();
+  source.game = game_setup();
+  source.game.title = identity_.name;
+  source.game.detail = replay::Detail::cells;
+  source.game.stages = stages_;
+  source.facts = facts_.all();
+  const std::string name = replay::utf8_path(path);
+  const bool overwrite = (flags_ & TICKTRUE_OVERWRITE) != 0;
+  const Result<WrittenBundle> written = write_bundle(name, overwrite, source, *peers_, namer());
+  if (!written) return refuse(written.error());
+  file_notes_.push_back(plain_line(bundle_text(name, *written)));
+  return TICKTRUE_OK;
+}
+
+int Session::box_save(const char* path) {
+  if (status_ == TICKTRUE_FAILED || refuse_in_callback("box_save")) return status_;
+  refusal_.clear();
+  if (path == nullptr || path[0] == 0) return refuse(usage("box_save: path: found none, expected a file name"));
+  if (!recording_ || !recording_->is_box())
+    return refuse(usage("box_save: found no black box", "set box_kib in the options, or use --blackbox FILE"));
+  if (!recording_->is_started()) return refuse(usage("box_save: found a session before its first tick"));
+  const std::string name = replay::utf8_path(path);
+  const auto saved = replay::save_box(path_, name, (flags_ & TICKTRUE_OVERWRITE) != 0);
+  if (!saved) return refuse(saved.error());
+  file_notes_.push_back(plain_line("the black box up to tick " +
+                                   std::to_string(saved->first_tick + saved->result.ticks_written - 1) + " is in " +
+                                   name));
+  return TICKTRUE_OK;
+}
+
 std::string Session::desync_report(bool& is_complete) {
   is_complete = false;
   if (!peers_ || !peers_->has_desync() || !peers_->has_game()) return "";
@@ -134,6 +188,7 @@ std::string Session::desync_report(bool& is_complete) {
 
 void Session::report_peers() {
   std::vector<std::string>& notes = is_recording() ? recording_->notes : live_notes_;
+  for (const std::string& line : file_notes_) notes.push_back(line);
   for (std::string& line : changes_.lines()) notes.push_back(plain_line(line));
   for (std::string& line : peers_->lines()) notes.push_back(std::move(line));
   if (!peers_->has_desync() || !peers_->has_game()) return;

@@ -376,6 +376,13 @@ const char* ticktrue_desync_report(ticktrue_session* session, int* complete) {
   return status == TICKTRUE_OK ? session->report.c_str() : "";
 }
 
+int ticktrue_bundle(ticktrue_session* session, const char* path) {
+  return without_exceptions(session, [&](Session& s) { return s.bundle(path); });
+}
+int ticktrue_box_save(ticktrue_session* session, const char* path) {
+  return without_exceptions(session, [&](Session& s) { return s.box_save(path); });
+}
+
 uint64_t ticktrue_tick(const ticktrue_session* session) {
   return session == nullptr || session->session == nullptr ? 0 : session->session->tick();
 }
@@ -385,7 +392,7 @@ int ticktrue_status(const ticktrue_session* session) {
 }
 const char* ticktrue_message(const ticktrue_session* session) {
   if (session == nullptr) return "";
-  return session->session == nullptr ? no_memory : session->session->message().c_str();
+  return session->session == nullptr ? no_memory : session->session->last_message().c_str();
 }
 
 int ticktrue_finish(ticktrue_session* session) {
@@ -429,8 +436,8 @@ int ticktrue_close(ticktrue_session* session) {
   if (!is_quiet) {
     std::fputs(is_json ? ticktrue_report_json(session) : ticktrue_report(session), stdout);
     std::fflush(stdout);
-    if (const char* message = ticktrue_message(session); message[0] != 0)
-      std::fprintf(stderr, "ticktrue: error: %s\n", ticktrue::plain_text(message).c_str());
+    const std::string message = session->session != nullptr ? session->session->message() : no_memory;
+    if (!message.empty()) std::fprintf(stderr, "ticktrue: error: %s\n", ticktrue::plain_text(message).c_str());
   }
   if (session != &memory_failure) delete session;
   return exit_code;

@@ -8,6 +8,9 @@
 //     --loss P    of 100 packets, P are not sent         --seed N       another level: hello refuses to play it
 //     --anyway 1  plays in spite of what hello says      --record FILE  a trace of the game, as in lockstep.c
 //     --port N    that of player 0 (47100); the other has the next
+//     --bundle FILE  after a desync: one file to send, which ticktrue show and report read
+//     --verify FILE  runs the ticks of a bundle or a trace again, alone: ticktrue verify F.ttr --command
+//     './udp_lockstep 0'
 //
 // Exit codes are those of ticktrue_close; 3: the other is silent; 5: hello refused. Packets have the byte order of the
 // machine; between machines that differ there, a game would write its numbers out.
@@ -79,6 +82,17 @@ static void step_game(Game* game, const uint8_t inputs[2], uint64_t tick, const 
   if (has_bug(faults, "flip", tick) && tick == faults->at) game->boats[5].points ^= 64;
 }
 
+/* All that a tick depends on. */
+static size_t save_game(void* user, void* buffer, size_t size) {
+  if (size >= sizeof(Game)) memcpy(buffer, user, sizeof(Game));
+  return sizeof(Game);
+}
+static int load_game(void* user, const void* bytes, size_t size) {
+  if (size != sizeof(Game)) return 1;
+  memcpy(user, bytes, size);
+  return 0;
+}
+
 /* What a person at the tiller would do. */
 static uint8_t read_input(uint32_t player, uint64_t tick) {
   return (uint8_t)((tick / 12 + player * 5 + 1) * 2654435761u >> 26);
@@ -110,6 +124,10 @@ static void open_session(Match* match, Game* game, const uint32_t* seed, int arg
   options.setup = seed;
   options.setup_size = sizeof *seed;
   options.player = match->self;
+  options.save = save_game; /* a bundle begins at the last save before the desync */
+  options.load = load_game;
+  options.user = game;
+  options.checkpoint_interval = 50;
   match->session = ticktrue_open_arguments(&options, argc, argv);
   const ticktrue_member members[] = {TICKTRUE_MEMBER(Boat, place, TICKTRUE_F32),
                                      TICKTRUE_MEMBER(Boat, speed, TICKTRUE_F32),
@@ -129,6 +147,17 @@ static void run_ticks(Match* match, Game* game, const Faults* faults) {
     step_game(game, inputs, tick, faults);
     ticktrue_end_tick(match->session);
   }
+}
+
+/* The ticks of a file instead of those of a match. */
+static int run_recorded(ticktrue_session* session, Game* game, const Faults* faults) {
+  uint8_t inputs[2];
+  while (ticktrue_input(session, inputs, sizeof inputs) == TICKTRUE_OK &&
+         ticktrue_begin_tick(session, NULL) == TICKTRUE_OK) {
+    step_game(game, inputs, ticktrue_tick(session), faults);
+    ticktrue_end_tick(session);
+  }
+  return ticktrue_close(session);
 }
 
 /* ---- the other player: packets that hold all that may be missing, so that lost ones do not matter ---------------- */
@@ -207,6 +236,7 @@ int main(int argc, char** argv) {
   match.anyway = atoi(word_of(argc, argv, "--anyway", "0"));
   begin_game(&game, seed);
   open_session(&match, &game, &seed, argc, argv);
+  if (word_of(argc, argv, "--verify", NULL) != NULL) return run_recorded(match.session, &game, &faults);
   match.socket = open_socket(&match, atoi(word_of(argc, argv, "--port", "47100")));
   if (match.socket < 0) return perror("udp_lockstep: port"), 2;
   int silence = 0, rest = 0; /* rounds of 2 ms; the other needs our last packets, too */
@@ -227,6 +257,9 @@ int main(int argc, char** argv) {
     send_packet(&match);
     rest = is_done(&match) && match.other_is_done ? rest + 1 : 0;
   }
+  const char* bundle = word_of(argc, argv, "--bundle", NULL);
+  if (match.is_desync && bundle != NULL && ticktrue_bundle(match.session, bundle) != TICKTRUE_OK)
+    fprintf(stderr, "udp_lockstep: %s\n", ticktrue_message(match.session));
   const int code = ticktrue_close(match.session); /* prints the report */
   return match.is_refused ? 5 : code == 0 && rest == 0 ? 3 : code;
 }

@@ -38,8 +38,9 @@ extern "C" {
    2: caller_facts, ticktrue_build_facts, ticktrue_table, ticktrue_rows.
    3: save, load, from, to, sync_test, TICKTRUE_RESTORE, ticktrue_seek, TICKTRUE_SHOWN.
    4: TICKTRUE_MARKS, ticktrue_mark, ticktrue_note; TICKTRUE_LIVE, TICKTRUE_REFUSED, peer_bytes, player, ticktrue_root,
-      ticktrue_hello, ticktrue_peer_root and what locates a desync. */
-#define TICKTRUE_API_VERSION 4u
+      ticktrue_hello, ticktrue_peer_root and what locates a desync.
+   5: ticktrue_bundle, ticktrue_box_save. */
+#define TICKTRUE_API_VERSION 5u
 
 /* What calls return. */
 enum {
@@ -47,7 +48,8 @@ enum {
   TICKTRUE_END = 1,      /* verify: every recorded tick was run; leave the loop */
   TICKTRUE_DIVERGED = 2, /* verify: this tick is not as recorded; record: a value is not finite; leave the loop */
   TICKTRUE_FAILED = 3,   /* a wrong call, or the system refused; ticktrue_message says what */
-  TICKTRUE_REFUSED = 4   /* bytes of another player are not what they should be; nothing has changed: go on */
+  TICKTRUE_REFUSED = 4   /* bytes of another player are not what they should be, or a file cannot be written;
+                            nothing has changed: go on */
 };
 
 /* Types of values. Signed 8 and 16 bit values are registered as U8 and U16: their bits are compared. */
@@ -241,7 +243,7 @@ TICKTRUE_API int ticktrue_seek(ticktrue_session* session, uint64_t tick);
 TICKTRUE_API uint64_t ticktrue_tick(const ticktrue_session* session);
 /* What the last call returned, and would return again. */
 TICKTRUE_API int ticktrue_status(const ticktrue_session* session);
-/* What went wrong; empty if nothing did. */
+/* What went wrong, or why the last call was refused; empty if nothing was. */
 TICKTRUE_API const char* ticktrue_message(const ticktrue_session* session);
 
 /* ---- other players of a live game. Bytes travel by the program's own transport. ---- */
@@ -271,6 +273,17 @@ TICKTRUE_API int ticktrue_desync_receive(ticktrue_session* session, uint32_t pee
 /* What is known: tick, players, columns, rows, values. Empty: no desync. `complete` (may be null) becomes 1 when the
    states of all players are compared: then each of them has the same report. ticktrue_report has it, too. */
 TICKTRUE_API const char* ticktrue_desync_report(ticktrue_session* session, int* complete);
+
+/* Writes one file to send: a trace of this player's ticks with the roots, build facts and differing rows of the others.
+   It begins at a save before the first difference, without saves at tick 0. `ticktrue show` and `ticktrue report` say
+   who differs; `ticktrue verify --command` runs this player's ticks again. Call it once ticktrue_desync_report is
+   complete, or at the end of the match: it holds what is known by then. The ticks come from the recording or the black
+   box of the session. Without one they are those in memory (peer_bytes), which have no save. TICKTRUE_REFUSED: no
+   desync, or no file; ticktrue_message says why. It takes as long as reading the recording. */
+TICKTRUE_API int ticktrue_bundle(ticktrue_session* session, const char* path);
+/* Record, with a black box: writes what the box holds as a trace while the session goes on. Returns as
+   ticktrue_bundle does. */
+TICKTRUE_API int ticktrue_box_save(ticktrue_session* session, const char* path);
 
 /* Closes the trace, or judges the run; returns the tool's exit code: 0 match or recorded, 1 diverged or not finite,
    2 failed, 3 incomplete, 4 damaged, 5 not comparable. No tick may begin after it. */

@@ -649,6 +649,11 @@ class Session {
     return goes_on(ticktrue_seek(core_->session, tick));
   }
 
+  /// One file about a desync, and the black box so far as a trace: see ticktrue_bundle and ticktrue_box_save. False:
+  /// not written, and error() says why.
+  bool bundle(const char* path) { return ticktrue_bundle(core_->session, path) == TICKTRUE_OK; }
+  bool box_save(const char* path) { return ticktrue_box_save(core_->session, path) == TICKTRUE_OK; }
+
   /// Ticks done, also where the session is off or a recording has failed.
   std::uint64_t tick() const { return counts() ? ticktrue_tick(core_->session) : core_->ticks; }
   bool is_on() const { return core_->session != nullptr; }

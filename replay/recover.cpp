@@ -128,6 +128,8 @@ Status finish_copy(const TraceTail& tail, TraceWriter& writer) {
   if (tail.has_pending_inputs)
     if (const Status status = writer.begin_tick({tail.pending_dt, tail.pending_inputs}); !status) return status;
   if (const Status status = copy_pending_notes(tail, writer); !status) return status;
+  for (const PeerRecord& peer : tail.peers)
+    if (const Status status = writer.peer(peer); !status) return status;
   // With its end record, no tick was lost: only index or footer were.
   if (tail.end) return writer.finish(tail.end->reason, tail.end->note);
   return writer.finish(EndReason::recovered, tail.message);

@@ -5,6 +5,8 @@
 
 #include "base/hash.h"
 #include "base/limits.h"
+#include "replay/format/identity.h"
+#include "replay/format/peer.h"
 #include "replay/trace_reader_impl.h"
 
 namespace ticktrue::replay {
@@ -85,6 +87,19 @@ Step TraceReader::Impl::read_peer(const ChunkHeader& header) {
   ++cursor.peer_count;
   const std::optional<ByteView> payload = read_payload(header, chunk_kind_info(header.kind)->payload_size_max);
   if (!payload) return lose(header);
+  Result<PeerRecord> peer = decode_peer(setup.schema, *payload);
+  if (!peer) return damaged(cursor.offset, chunk_text(header.kind) + ": " + peer.error().message);
+  if (!is_searching) {
+    if (!peers.empty() && peer->player <= peers.back().player)
+      return damaged(cursor.offset, chunk_text(header.kind) + ": peer: player: found " + std::to_string(peer->player) +
+                                        " behind " + std::to_string(peers.back().player) + ", expected them ascending");
+    if (!peers.empty() && (peer->recorder != peers.back().recorder || peer->tick != peers.back().tick))
+      return damaged(cursor.offset,
+                     chunk_text(header.kind) + ": peer: found another recorder or tick than those before have");
+    if (!peer->tables.empty() && peer->session_identity != session_identity(setup))
+      return damaged(cursor.offset, chunk_text(header.kind) + ": peer: rows: found those of another game");
+    peers.push_back(std::move(*peer));
+  }
   pass(header);
   return Step::passed;
 }

@@ -132,6 +132,7 @@ void TraceReader::Impl::rewind() {
   first_damage = facts_fault;
   is_sequential = true;
   seen = {};
+  peers.clear();
   unpacked_size = 0;
   composed.reset(setup.schema.tables.size());
   end.reset();
@@ -251,6 +252,7 @@ void TraceReader::Impl::make_tail() {
   if (std::exchange(has_tail, true)) return;
   tail.ticks_intact = cursor.tick;
   tail.end = end;
+  tail.peers = peers;
   if (cursor.has_pending) {
     tail.has_pending_inputs = true;
     tail.pending_inputs = cursor.pending_inputs;

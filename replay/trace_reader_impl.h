@@ -98,6 +98,7 @@ struct TraceReader::Impl {
   bool is_sequential = true;          // read from the start, so that the index can be compared
   bool is_searching = false;          // for intact ranges behind damage
   CheckpointIndex seen;
+  std::vector<PeerRecord> peers;
   std::optional<EndRecord> end;
   std::uint64_t index_offset = 0;
   std::optional<std::uint64_t> index_check;

@@ -16,6 +16,7 @@
 #include "replay/file/file.h"
 #include "replay/format/chunk.h"
 #include "replay/format/payload.h"
+#include "replay/format/peer.h"
 #include "replay/format/table_list.h"
 
 namespace ticktrue::replay {
@@ -577,6 +578,24 @@ Status TraceWriter::shown(ByteView bytes) {
 Status TraceWriter::save(ByteView bytes) {
   TICKTRUE_ASSERT(impl_->setup.has(Feature::saves) && impl_->tick_count == impl_->last_checkpoint);
   return impl_->write_content(ChunkKind::save, bytes, limits::save_size_max);
+}
+
+Status TraceWriter::peer(const PeerRecord& peer) {
+  Impl& impl = *impl_;
+  TICKTRUE_ASSERT(impl.setup.has(Feature::peers) && impl.index.checkpoint_count > 0);
+  if (impl.failure) return *impl.failure;
+  if (const Status status = check_peer(peer, impl.file.path()); !status) return status;
+  ByteWriter payload;
+  encode_peer(peer, payload);
+  const std::size_t size_max = chunk_kind_info(static_cast<std::uint8_t>(ChunkKind::peer))->payload_size_max;
+  if (payload.size() > size_max)
+    return Error{ErrorCode::limit,
+                 impl.file.path() + ": player " + std::to_string(peer.player) + ": bytes: found " +
+                     std::to_string(payload.size()) + ", expected at most " + std::to_string(size_max),
+                 ""};
+  impl.close_chunk();
+  impl.put_chunk(impl.next_header(ChunkKind::peer, payload.size()), payload.view());
+  return impl.flush();
 }
 
 Status TraceWriter::finish(EndReason reason, const std::string& note) {

@@ -82,6 +82,10 @@ class TraceWriter {
   /// tick begun since.
   Status save(ByteView bytes);
 
+  /// What is known of another player. Behind all ticks; players ascend, and all have the same recorder and tick.
+  /// Requires: Feature::peers, a checkpoint. Errors: limit, io.
+  Status peer(const PeerRecord& peer);
+
   /// Writes end record, index and footer and closes the file.
   Status finish(EndReason reason, const std::string& note);
 

@@ -201,22 +201,26 @@ constexpr Room rooms[] = {
     {"include/ticktrue", ""},
     {"verifier/report", "base,base/compiler,base/state,replay/format"},
     {"verifier/locate", "base,base/state,replay/format,verifier/report"},
-    {"verifier/verify", "base,base/state,base/parallel,replay,replay/format,verifier/report,verifier/locate"},
+    {"verifier/peers", "base,base/state,replay,replay/format,verifier/report"},
+    {"verifier/verify",
+     "base,base/state,base/parallel,replay,replay/format,verifier/report,verifier/locate,verifier/peers"},
     {"verifier/runs", "base,replay/file,verifier/report"},
     {"verifier/compare",
-     "base,base/state,replay,replay/format,verifier/report,verifier/locate,verifier/verify,verifier/runs"},
+     "base,base/state,replay,replay/format,verifier/report,verifier/locate,verifier/peers,verifier/verify,"
+     "verifier/runs"},
     {"verifier/inject", "base,base/state,base/parallel,replay,verifier/report,verifier/verify"},
     {"verifier/corpus", "base,replay"},
     {"verifier/store", "base,replay/file,verifier/report"},
     {"verifier/plugins", "base,base/state,include,verifier/runs"},
     {"verifier/programs", "base,base/state,replay,replay/format,shim,verifier/report,verifier/runs,verifier/verify"},
     {"shim", ""},
-    {"capi/peers", "base,base/state,replay/format,verifier/report,verifier/locate"},
+    {"capi/peers",
+     "base,base/state,replay,replay/format,replay/file,replay/box,verifier/report,verifier/locate,verifier/peers"},
     {"capi/marks", "base,base/compiler,replay/format,shim"},
     {"capi/unsaved", "base,base/compiler,base/state,shim,capi/marks"},
     {"capi",
      "base,base/compiler,base/state,replay,replay/format,replay/file,replay/box,include,shim,verifier/report,verifier/"
-     "locate,verifier/"
+     "locate,verifier/peers,verifier/"
      "verify,capi/marks,"
      "capi/peers,capi/unsaved"},
     {"tool", "tool/cli"},
@@ -288,12 +292,13 @@ std::string_view folder_of(std::string_view path) {
 
 /// Rooms that every room of the tool may include: all except the tool, the tests and the internal rooms of the engine.
 bool is_below_tool(std::string_view room) {
-  return is_one_of(room,
-                   "base,base/state,base/parallel,replay,replay/format,replay/file,replay/box,include,engine,engine/"
-                   "math,engine/simd,"
-                   "engine/json,engine/scene,engine/builtin_scenes,engine/random_worlds,engine/clock,verifier/report,"
-                   "verifier/locate,verifier/verify,verifier/runs,verifier/compare,verifier/inject,verifier/corpus,"
-                   "verifier/store,verifier/plugins,verifier/programs");
+  return is_one_of(
+      room,
+      "base,base/state,base/parallel,replay,replay/format,replay/file,replay/box,include,engine,engine/"
+      "math,engine/simd,"
+      "engine/json,engine/scene,engine/builtin_scenes,engine/random_worlds,engine/clock,verifier/report,"
+      "verifier/locate,verifier/peers,verifier/verify,verifier/runs,verifier/compare,verifier/inject,verifier/corpus,"
+      "verifier/store,verifier/plugins,verifier/programs");
 }
 
 bool may_include(std::string_view from, std::string_view to) {
@@ -396,7 +401,8 @@ void check_marks(const SourceFile& file, std::string_view line, std::size_t numb
 
 // The sources of libticktrue, and the files that may use words of a single compiler. These files are the header for all
 // compilers, and the units that choose the instructions of kernels.
-constexpr std::string_view library_sources = "base/,replay/,capi/,verifier/report/,verifier/locate/,verifier/verify/";
+constexpr std::string_view library_sources =
+    "base/,replay/,capi/,verifier/report/,verifier/locate/,verifier/peers/,verifier/verify/";
 constexpr std::string_view compiler_words_in =
     "base/compiler/compiler.h,base/bytes.h,base/hash.cpp,base/row_kernels.cpp,base/parallel/workers.cpp";
 constexpr std::array<std::string_view, 9> compiler_words{"__builtin_", "__attribute__", "__asm",

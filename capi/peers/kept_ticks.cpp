@@ -5,31 +5,20 @@
 #include <algorithm>
 #include <utility>
 
-#include "base/hash.h"
-
 namespace ticktrue::capi {
 
-TickInputs inputs_of(double dt, ByteView inputs) {
-  TickInputs found;
-  found.dt = dt;
-  found.size = inputs.size();
-  found.hash = hash64(inputs);
-  const ByteView begin = inputs.first(std::min(inputs.size(), input_begin_max));
-  found.begin.assign(begin.begin(), begin.end());
-  return found;
-}
-
-void KeptTicks::add(std::uint64_t tick, double dt, ByteView inputs, const StateView& state) {
+void KeptTicks::add(std::uint64_t tick, double dt, ByteView inputs, const StateView& state, double time_s) {
   if (!ticks_.empty() && ticks_.back().tick + 1 != tick) {
     ticks_.clear();
     size_ = 0;
   }
-  ticks_.push_back({tick, inputs_of(dt, inputs), KeptState(state)});
+  ticks_.push_back({tick, inputs_of(dt, inputs), KeptState(state), Bytes(inputs.begin(), inputs.end()), time_s});
   size_ += size_of(ticks_.back());
   while (ticks_.size() > 1 && (size_ > size_max_ || ticks_.size() > count_max)) {
     size_ -= size_of(ticks_.front());
     ticks_.pop_front();
   }
+  if (ticks_.front().tick > 0) initial_.reset();
 }
 
 const KeptTick* KeptTicks::find(std::uint64_t tick) const {

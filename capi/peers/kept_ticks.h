@@ -5,29 +5,24 @@
 #include <cstddef>
 #include <cstdint>
 #include <deque>
+#include <optional>
 
 #include "base/bytes.h"
 #include "base/state/kept_state.h"
+#include "replay/format/peer.h"
 
 namespace ticktrue::capi {
 
-inline constexpr std::size_t input_begin_max = 64;  // bytes of the inputs of a tick that reports print
-
-/// The inputs that a tick took, as players compare them.
-struct TickInputs {
-  double dt = 0;  // s
-  std::uint64_t size = 0;
-  std::uint64_t hash = 0;
-  Bytes begin;
-
-  bool operator==(const TickInputs&) const = default;
-};
-TickInputs inputs_of(double dt, ByteView inputs);
+using replay::input_begin_max;
+using replay::inputs_of;
+using replay::TickInputs;
 
 struct KeptTick {
   std::uint64_t tick = 0;
   TickInputs inputs;
   KeptState state;  // after it
+  Bytes input_bytes;
+  double time_s = 0;  // simulated before it
 };
 
 class KeptTicks {
@@ -36,18 +31,26 @@ class KeptTicks {
   static constexpr std::size_t count_max = 4'096;
 
   explicit KeptTicks(std::size_t size_max) : size_max_(size_max) {}
-  /// Forgets the oldest ticks that have no room any more. The newest is always kept.
-  void add(std::uint64_t tick, double dt, ByteView inputs, const StateView& state);
+  /// The state before tick 0. It is kept as long as that tick is.
+  void begin(const StateView& state) { initial_.emplace(state); }
+  /// Forgets the oldest ticks that have no room any more. The newest is always kept. `time_s`: simulated before it.
+  void add(std::uint64_t tick, double dt, ByteView inputs, const StateView& state, double time_s = 0);
   /// Null: not kept.
   const KeptTick* find(std::uint64_t tick) const;
   std::size_t count() const { return ticks_.size(); }
+  const std::deque<KeptTick>& ticks() const { return ticks_; }
+  /// Null: not kept.
+  const KeptState* initial() const { return initial_ ? &*initial_ : nullptr; }
 
  private:
-  static std::size_t size_of(const KeptTick& tick) { return tick.state.size() + sizeof(KeptTick) + input_begin_max; }
+  static std::size_t size_of(const KeptTick& tick) {
+    return tick.state.size() + sizeof(KeptTick) + tick.input_bytes.size();
+  }
 
   std::size_t size_max_;  // bytes
   std::size_t size_ = 0;
   std::deque<KeptTick> ticks_;
+  std::optional<KeptState> initial_;
 };
 
 }  // namespace ticktrue::capi

@@ -7,6 +7,8 @@
 
 #include "base/count_text.h"
 #include "base/hash.h"
+#include "replay/format/table_list.h"
+#include "verifier/peers/peer_rows.h"
 
 namespace ticktrue::capi {
 namespace {
@@ -27,7 +29,8 @@ void Peers::set_game(const replay::TraceSetup& setup, const replay::BuildFacts& 
 
 void Peers::add(std::uint64_t tick, std::uint64_t root, double dt, ByteView inputs, const StateView& state) {
   // Behind a difference all ticks differ: what is kept stays.
-  if (keeps_states_ && !has_desync()) kept_.add(tick, dt, inputs, state);
+  if (keeps_states_ && !has_desync()) kept_.add(tick, dt, inputs, state, time_s_);
+  time_s_ += dt;
   roots_.add(tick, root);
   if (has_desync()) update();
 }
@@ -202,7 +205,7 @@ DesyncFinding Peers::finding(const RowNamer& row_name) {
   }
   std::sort(found.players.begin(), found.players.end(),
             [](const DesyncPlayer& a, const DesyncPlayer& b) { return a.player < b.player; });
-  compare_players(schema(), row_name, found);
+  verifier::compare_players(schema(), row_name, found);
   for (std::uint64_t t = found.tick; t-- > roots_.first_kept() && !found.agreed;) {
     const auto all = roots_.at(t);
     // Of players with the root of this one, no earlier difference is known.
@@ -212,6 +215,39 @@ DesyncFinding Peers::finding(const RowNamer& row_name) {
     if (is_same) found.agreed = t;
   }
   return found;
+}
+
+std::vector<replay::PeerRecord> Peers::records(const DesyncFinding& finding) const {
+  const auto own = std::find_if(finding.players.begin(), finding.players.end(),
+                                [this](const DesyncPlayer& player) { return player.player == player_; });
+  std::vector<replay::PeerRecord> records;
+  for (const DesyncPlayer& player : finding.players) {
+    if (player.player == player_) continue;
+    replay::PeerRecord record;
+    record.player = player.player;
+    record.recorder = player_;
+    const auto hello = hellos_.find(player.player);
+    record.session_identity = hello != hellos_.end() ? hello->second.identity : game_->identity;
+    record.facts = player.facts;
+    record.tick = finding.tick;
+    for (std::uint64_t tick = roots_.first_kept(); tick < roots_.end(); ++tick)
+      if (const auto root = roots_.at(player.player, tick)) record.roots.push_back({tick, *root});
+    record.inputs = player.inputs;
+    const auto other = location_->others.find(player.player);
+    const bool is_known = other != location_->others.end();
+    if (is_known && other->second.cells && other->second.cells->has_state) {
+      ByteWriter cells;
+      replay::encode_cell_list(replay::CellLayout(schema()), other->second.cells->cells, nullptr, cells);
+      record.cells = cells.take();
+    }
+    if (player.tables && own->tables) {
+      verifier::set_peer_rows(schema(), *own->tables, *player.tables, record);
+      record.is_cut = record.is_cut || (is_known && other->second.is_cut);
+    }
+    record.lost_state = player.lost_state && !record.has_state;
+    records.push_back(std::move(record));
+  }
+  return records;
 }
 
 std::vector<std::string> Peers::lines() const {

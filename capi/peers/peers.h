@@ -17,14 +17,19 @@
 #include "base/result.h"
 #include "base/state/cells.h"
 #include "base/state/kept_state.h"
-#include "capi/peers/desync_report.h"
 #include "capi/peers/exchange.h"
 #include "capi/peers/hello.h"
 #include "capi/peers/kept_ticks.h"
 #include "capi/peers/root_table.h"
 #include "capi/peers/sent_rows.h"
+#include "verifier/peers/desync_report.h"
 
 namespace ticktrue::capi {
+
+using verifier::desync_json;
+using verifier::desync_text;
+using verifier::DesyncFinding;
+using verifier::DesyncPlayer;
 
 class Peers {
  public:
@@ -42,9 +47,14 @@ class Peers {
 
   /// A confirmed tick of this player.
   void add(std::uint64_t tick, std::uint64_t root, double dt, ByteView inputs, const StateView& state);
+  /// The state before tick 0, where states are kept.
+  void begin(const StateView& state) {
+    if (keeps_states_) kept_.begin(state);
+  }
   /// From now on, states of confirmed ticks are kept.
   void keep_states() { keeps_states_ = true; }
   const RootTable& roots() const { return roots_; }
+  const KeptTicks& kept() const { return kept_; }
 
   // ---- Other players. Requires: has_game(), a player other than this one, at most player_max. ----
 
@@ -61,6 +71,10 @@ class Peers {
 
   /// Valid until the next call. Requires: has_desync().
   DesyncFinding finding(const RowNamer& row_name);
+  /// What a bundle holds of the players of the finding but this one. Requires: the finding that was made last.
+  std::vector<replay::PeerRecord> records(const DesyncFinding& finding) const;
+  /// This player's state after the tick that differs; null: not kept.
+  const KeptState* state_at_desync() const { return location_ && location_->state ? &*location_->state : nullptr; }
   /// "player 1: 598 ticks compared, the same up to tick 599", a line each.
   std::vector<std::string> lines() const;
 
@@ -96,6 +110,7 @@ class Peers {
   KeptTicks kept_;
   bool keeps_states_ = false;
   RootTable roots_;
+  double time_s_ = 0;  // simulated in confirmed ticks
   std::unique_ptr<Hello> game_;
   std::optional<StateSchema> schema_;
   std::unique_ptr<CellHasher> hasher_;

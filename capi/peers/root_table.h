@@ -7,10 +7,12 @@
 #include <optional>
 #include <vector>
 
+#include "replay/format/trace.h"
+
 namespace ticktrue::capi {
 
 inline constexpr std::uint64_t kept_root_count = 4'096;  // ticks
-inline constexpr std::uint32_t player_max = 254;
+using replay::player_max;
 
 /// What was compared with one other player.
 struct PeerCount {

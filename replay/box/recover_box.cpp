@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <filesystem>
+#include <functional>
 #include <optional>
 #include <system_error>
 #include <utility>
@@ -159,7 +160,7 @@ Status copy_slot(TraceReader& reader, std::optional<std::uint64_t>& last_checkpo
   }
 }
 
-Status copy_run(Box& box, const std::vector<Slot>& run, TraceWriter& writer, RecoveredBox& recovered) {
+Status copy_run(Box& box, const std::vector<Slot>& run, bool goes_on, TraceWriter& writer, RecoveredBox& recovered) {
   std::optional<std::uint64_t> last_checkpoint;
   for (const Slot& slot : run) {
     Result<TraceReader> reader = TraceReader::open_bytes(box.trace_of(slot), box.path());
@@ -170,6 +171,8 @@ Status copy_run(Box& box, const std::vector<Slot>& run, TraceWriter& writer, Rec
   if (const Status status = box.check_unchanged(); !status) return status;
   recovered.result.ticks_written = writer.tick_count() - recovered.first_tick;
   if (recovered.result.ticks_written == 0) return {};
+  if (goes_on && recovered.result.tail.condition != TraceCondition::damaged)
+    return writer.finish(EndReason::complete, "");
   return finish_copy(recovered.result.tail, writer);
 }
 
@@ -183,10 +186,11 @@ bool is_box_file(const std::string& path) {
   return is_box(bytes);
 }
 
-Result<RecoveredBox> recover_box(const std::string& input, const std::string& output, bool overwrite) {
-  std::error_code ignored;
-  if (std::filesystem::equivalent(input, output, ignored))
-    return Error{ErrorCode::usage, output + ": is the black box: it is never changed", "name another output"};
+namespace {
+
+using MakeWriter = std::function<Result<TraceWriter>(const TraceSetup&, const BuildFacts&)>;
+
+Result<RecoveredBox> recover_to(const std::string& input, bool goes_on, const MakeWriter& make_writer) {
   Result<Box> box = Box::open(input);
   if (!box) return box.error();
   RecoveredBox recovered;
@@ -200,15 +204,57 @@ Result<RecoveredBox> recover_box(const std::string& input, const std::string& ou
   const std::vector<Slot> run = last_run(std::move(slots), recovered.left_out);
   Result<TraceReader> reader = TraceReader::open_bytes(box->trace_of(run.front()), input);
   if (!reader) return reader.error();
-  WriterOptions options;
-  options.overwrite = overwrite;
-  options.allow_third = true;
-  Result<TraceWriter> writer = TraceWriter::create(output, reader->setup(), reader->facts(), options);
+  Result<TraceWriter> writer = make_writer(reader->setup(), reader->facts());
   if (!writer) return writer.error();
-  const Status status = copy_run(*box, run, *writer, recovered);
+  const Status status = copy_run(*box, run, goes_on, *writer, recovered);
   if (!status || recovered.result.ticks_written == 0) writer->discard();
   if (!status) return status.error();
   return recovered;
+}
+
+Result<RecoveredBox> recover_to_file(const std::string& input, bool goes_on, const std::string& output,
+                                     bool overwrite) {
+  std::error_code ignored;
+  if (std::filesystem::equivalent(input, output, ignored))
+    return Error{ErrorCode::usage, output + ": is the black box: it is never changed", "name another output"};
+  return recover_to(input, goes_on, [&](const TraceSetup& setup, const BuildFacts& facts) {
+    WriterOptions options;
+    options.overwrite = overwrite;
+    options.allow_third = true;
+    return TraceWriter::create(output, setup, facts, options);
+  });
+}
+
+}  // namespace
+
+Result<RecoveredBox> recover_box(const std::string& input, const std::string& output, bool overwrite) {
+  return recover_to_file(input, false, output, overwrite);
+}
+
+Result<RecoveredBox> save_box(const std::string& input, const std::string& output, bool overwrite) {
+  Result<RecoveredBox> saved = recover_to_file(input, true, output, overwrite);
+  if (saved && saved->result.ticks_written == 0)
+    return Error{ErrorCode::usage, input + ": black box: no tick has ended yet", ""};
+  return saved;
+}
+
+Result<Bytes> save_box(const std::string& input) {
+  Bytes bytes;
+  const Result<RecoveredBox> saved = recover_to(input, true, [&](const TraceSetup& setup, const BuildFacts& facts) {
+    WriterOptions options;
+    options.compress = false;
+    options.sync = false;
+    options.allow_third = true;
+    const auto append = [&bytes](ByteView more) {
+      bytes.insert(bytes.end(), more.begin(), more.end());
+      return Status();
+    };
+    return TraceWriter::to(OutputFile::to(input, append), setup, facts, options);
+  });
+  if (!saved) return saved.error();
+  if (saved->result.ticks_written == 0)
+    return Error{ErrorCode::usage, input + ": black box: no tick has ended yet", ""};
+  return bytes;
 }
 
 }  // namespace ticktrue::replay

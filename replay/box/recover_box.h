@@ -27,4 +27,9 @@ struct RecoveredBox {
 /// corrupt (no slot can be read), incompatible, usage (the output is the box).
 Result<RecoveredBox> recover_box(const std::string& input, const std::string& output, bool overwrite);
 
+/// The same of the box of a session that goes on: the trace ends as a complete one, behind the last whole tick.
+Result<RecoveredBox> save_box(const std::string& input, const std::string& output, bool overwrite);
+/// The same into memory.
+Result<Bytes> save_box(const std::string& input);
+
 }  // namespace ticktrue::replay

@@ -39,6 +39,9 @@ inline constexpr std::size_t mark_list_size_max = 1u << 20;  // of a tick
 inline constexpr std::size_t topic_size_max = 64;
 inline constexpr std::size_t note_body_size_max = 4'096;
 inline constexpr std::size_t peer_count_max = 255;
+inline constexpr std::size_t peer_root_count_max = 65'536;
+inline constexpr std::size_t peer_row_count_max = 65'536;  // of all its tables
+inline constexpr std::size_t peer_rows_size_max = 1u << 20;
 
 enum class ChunkKind : std::uint8_t {
   setup = 1,

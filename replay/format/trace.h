@@ -117,6 +117,55 @@ struct CheckpointRecord {
   std::optional<ByteView> save = std::nullopt;   // of the program; the same
 };
 
+/// The inputs that a tick took, as players compare them.
+struct TickInputs {
+  double dt = 0;  // s
+  std::uint64_t size = 0;
+  std::uint64_t hash = 0;
+  Bytes begin;  // at most input_begin_max bytes of them
+
+  bool operator==(const TickInputs&) const = default;
+};
+inline constexpr std::size_t input_begin_max = 64;
+
+/// The rows of one table in which the state of a player differs from that of the recorder.
+struct PeerTable {
+  std::uint32_t table = 0;
+  std::vector<std::uint32_t>
+      removed;                      // rows of the recorder that the player lacks, or has with other values; ascending
+  std::vector<std::uint32_t> rows;  // places in the table of the player; ascending
+  Bytes bytes;                      // of these rows, little-endian
+
+  bool operator==(const PeerTable&) const = default;
+};
+
+struct PeerRoot {
+  std::uint64_t tick = 0;
+  std::uint64_t root = 0;
+
+  bool operator==(const PeerRoot&) const = default;
+};
+
+/// What the recorder knows of another player at the tick from which on their states differ.
+struct PeerRecord {
+  std::uint32_t player = 0;
+  std::uint32_t recorder = 0;          // the player whose trace this is
+  std::uint64_t session_identity = 0;  // of the player
+  BuildFacts facts;                    // empty: not known
+  std::uint64_t tick = 0;              // that differs
+  std::vector<PeerRoot> roots;         // ascending
+  std::optional<TickInputs> inputs;    // of that tick
+  bool has_state = false;              // `tables` tell the state after that tick
+  bool is_cut = false;                 // more may differ than they tell
+  bool lost_state = false;             // the player keeps that state no more
+  Bytes cells;                         // of that state, as a list with base 0; empty: not known
+  std::vector<PeerTable> tables;
+
+  bool operator==(const PeerRecord&) const = default;
+  std::optional<std::uint64_t> root_at(std::uint64_t at) const;
+};
+inline constexpr std::uint32_t player_max = 254;
+
 enum class EndReason : std::uint8_t { complete = 1, interrupted = 2, non_finite = 3, recovered = 4 };
 struct EndReasonInfo {
   EndReason reason;
@@ -163,6 +212,7 @@ struct TraceTail {
   double pending_dt = 0;
   Bytes pending_inputs;
   std::vector<Note> pending_notes;        // of that tick
+  std::vector<PeerRecord> peers;          // of a bundle, those that are intact; ascending by player
   std::vector<IntactRange> intact_after;  // damaged: what is whole behind the damage
 };
 

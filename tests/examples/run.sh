@@ -147,7 +147,7 @@ while IFS= read -r command; do
     ./game_fma*) wanted=$is_red is_red=0 ;;
     ./units_fma*) wanted=1 ;;
     "./lockstep --record"*) ;;
-    *--bug* | "ticktrue diff "*) wanted=1 ;;
+    *--bug* | "ticktrue diff "* | "ticktrue verify b1.ttr"*) wanted=1 ;;
   esac
   case $command in *' & '*) command="{ $command; code=\$?; wait; exit \$code; }" ;; esac
   expect "$wanted" "" env HOME="$home" PATH="$(dirname "$tool"):$PATH" sh -c "cd '$work/doc' && $environment && $command"
@@ -219,6 +219,27 @@ else
   expect 1 "look like addresses" ./lockstep --verify pointer.ttr --bug pointer
   expect 1 "balls.padding" ./lockstep --verify padding.ttr --bug padding
 fi
+
+# --- a live match: each player writes a bundle, and the tool opens it -------------------------------------------------
+udp_port=$((20000 + $$ % 20000))
+./udp_lockstep 0 --port $udp_port --record p0.ttr --bundle b0.ttr >/dev/null 2>&1 &
+expect 1 "note    bundle b1.ttr: ticks 50..299" ./udp_lockstep 1 --port $udp_port --record p1.ttr --bundle b1.ttr --bug order
+wait
+expect 0 "match  b0.ttr  250 of 250 ticks compared" "$tool" verify b0.ttr --command './udp_lockstep 0 --verify {}'
+expect 1 "diverged  b1.ttr  tick 100 of 250" "$tool" verify b1.ttr --command './udp_lockstep 1 --verify {}'
+expect 0 "match  b1.ttr" "$tool" verify b1.ttr --command './udp_lockstep 1 --verify {} --bug order'
+for side in 0 1; do
+  expect 0 "  players     0, 1; recorded by player $side" "$tool" show "b$side.ttr"
+  grep -q '^desync  udp-lockstep  tick 100$' "$out" || complain "show b$side.ttr: expected the desync"
+  grep -q '^  column  boats.speed       row 3, lane 1$' "$out" || complain "show b$side.ttr: expected its row"
+  grep -q '^  value   player 0: 3f763dd8 .*player 1: 3f763dd9 ' "$out" || complain "show b$side.ttr: expected both values"
+  expect 0 '"recorded_by": '$side "$tool" show "b$side.ttr" --json
+  "$tool" report "b$side.ttr" -o "b$side.html" >"$out" 2>&1
+  grep -q 'player 0: 3f763dd8' "b$side.html" || complain "report b$side.ttr: expected the values of both players"
+done
+expect 1 "b is a bundle of several players: players 0, 1; recorded by player 1" "$tool" diff b0.ttr b1.ttr
+head -c 36000 b0.ttr >cut_bundle.ttr
+expect 3 "the file ends" "$tool" show cut_bundle.ttr
 
 # --- rollback --------------------------------------------------------------------------------------------------------
 expect 0 "recorded  rollback.ttr  600 ticks" ./rollback --record rollback.ttr
@@ -390,8 +411,8 @@ while read -r exit_code fault text; do
 done <<FAULTS
 0 none 5 ticks
 2 size struct_size: found 12
-2 version interface version: found 99, expected 1..4
-2 old it does not work with interface version 4
+2 version interface version: found 99, expected 1..5
+2 old it does not work with interface version 5
 2 name name: found 0 bytes
 2 engine found another one of this name
 2 many stages: found 100000

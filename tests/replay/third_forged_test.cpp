@@ -4,7 +4,9 @@
 #include <limits>
 
 #include "base/limits.h"
+#include "replay/format/identity.h"
 #include "replay/format/payload.h"
+#include "replay/format/peer.h"
 #include "replay/format/table_list.h"
 #include "tests/damage/forger.h"
 #include "tests/replay/third_sessions.h"
@@ -311,6 +313,25 @@ TEST_CASE("a chunk or record whose feature is off is refused", "[replay][third][
   CHECK(contains(decoded.error().message, "features: found bit 6, expected bits 0..5"));
 }
 
+Bytes encoded(const replay::PeerRecord& peer) {
+  ByteWriter out;
+  replay::encode_peer(peer, out);
+  return out.take();
+}
+
+/// A player of the session of setup_with, who has other rows. Player 254 records.
+replay::PeerRecord peer_of(std::size_t player) {
+  replay::PeerRecord peer;
+  peer.player = static_cast<std::uint32_t>(player);
+  peer.recorder = 254 - (player == 254 ? 1 : 0);
+  peer.session_identity = replay::session_identity(setup_with(no_tail));
+  peer.tick = 8;
+  peer.roots = {{7, 1}, {8, 2}};
+  peer.has_state = true;
+  peer.tables = {{1, {0, 4}, {0, 3}, {5, 6}}};
+  return peer;
+}
+
 TEST_CASE("saves and peers stand where they must", "[replay][third][forgery][corruption]") {
   const auto of = [](const std::function<void(Forger&)>& write) { return fault_of(setup_with(no_tail), write); };
   CHECK(contains(of([](Forger& forger) {
@@ -337,15 +358,121 @@ TEST_CASE("saves and peers stand where they must", "[replay][third][forgery][cor
                  "the next part of a shown image or a save"));
   const auto peers = [&](std::size_t count, bool has_more) {
     return of([&](Forger& forger) {
-      for (std::size_t i = 0; i < count; ++i) forger.bound_chunk(ChunkKind::peer, Bytes(5));
+      for (std::size_t i = 0; i < count; ++i) forger.bound_chunk(ChunkKind::peer, encoded(peer_of(i)));
       if (!has_more) return;
       forger.open_ticks();
       forger.close_ticks();
     });
   };
-  CHECK(peers(255, false).empty());
-  CHECK(contains(peers(256, false), "at most 255 peers"));
+  CHECK(peers(254, false).empty());
   CHECK(contains(peers(1, true), "the end behind the peers"));
+  // A peer that is lost leaves its place; one of 256 players would have number 255.
+  const auto of_two = [&](const replay::PeerRecord& one, const replay::PeerRecord& other) {
+    return of([&](Forger& forger) {
+      forger.bound_chunk(ChunkKind::peer, encoded(one));
+      forger.bound_chunk(ChunkKind::peer, encoded(other));
+    });
+  };
+  CHECK(of_two(peer_of(3), peer_of(7)).empty());
+  CHECK(contains(of_two(peer_of(3), peer_of(3)), "player: found 3 behind 3, expected them ascending"));
+  CHECK(contains(of_two(peer_of(3), peer_of(2)), "player: found 2 behind 3, expected them ascending"));
+  replay::PeerRecord other = peer_of(7);
+  other.recorder = 9;
+  CHECK(contains(of_two(peer_of(3), other), "another recorder or tick"));
+  other = peer_of(7);
+  other.tick = 4;
+  CHECK(contains(of_two(peer_of(3), other), "another recorder or tick"));
+}
+
+TEST_CASE("a forged peer is refused: each limit holds, and one more is not", "[replay][third][forgery][corruption]") {
+  const replay::TraceSetup setup = setup_with(no_tail);
+  const auto fault = [&](const Bytes& payload) {
+    return fault_of(setup, [&](Forger& forger) { forger.bound_chunk(ChunkKind::peer, payload); });
+  };
+  const auto fault_with = [&](const std::function<void(replay::PeerRecord&)>& change) {
+    replay::PeerRecord peer = peer_of(3);
+    change(peer);
+    return fault(encoded(peer));
+  };
+  CHECK(fault_with([](replay::PeerRecord&) {}).empty());
+  CHECK(contains(fault(Bytes(5)), "peer: ends early"));
+  Bytes more = encoded(peer_of(3));
+  more.push_back(0);
+  CHECK(contains(fault(more), "bytes follow"));
+  for (std::size_t size = 0; size < encoded(peer_of(3)).size(); ++size) {
+    const Bytes whole = encoded(peer_of(3));
+    CAPTURE(size);
+    CHECK(contains(fault(Bytes(whole.begin(), whole.begin() + static_cast<std::ptrdiff_t>(size))), "(peer): peer: "));
+  }
+  CHECK(fault_with([](replay::PeerRecord& peer) { peer.player = 254, peer.recorder = 0; }).empty());
+  CHECK(contains(fault_with([](replay::PeerRecord& peer) { peer.player = 255; }),
+                 "player: found 255, expected at most 254"));
+  CHECK(contains(fault_with([](replay::PeerRecord& peer) { peer.player = peer.recorder; }), "who recorded"));
+  CHECK(contains(fault_with([](replay::PeerRecord& peer) { peer.tick = limits::tick_count_max; }), "tick: found"));
+  const auto with_roots = [&](std::size_t count) {
+    return fault_with([count](replay::PeerRecord& peer) {
+      peer.roots.clear();
+      for (std::size_t i = 0; i < count; ++i) peer.roots.push_back({i, i});
+    });
+  };
+  CHECK(with_roots(replay::peer_root_count_max).empty());
+  CHECK(contains(with_roots(replay::peer_root_count_max + 1), "roots: found 65537, expected at most 65536"));
+  CHECK(contains(fault_with([](replay::PeerRecord& peer) {
+                   peer.roots = {{limits::tick_count_max, 1}, {limits::tick_count_max + 1, 1}};
+                 }),
+                 "behind the last that there can be"));
+  CHECK(contains(fault_with([](replay::PeerRecord& peer) { peer.facts.assign(257, {"a", "b"}); }), "facts: found 257"));
+  CHECK(contains(fault_with([](replay::PeerRecord& peer) { peer.has_state = false; }), "of a state that is not known"));
+  CHECK(contains(fault_with([](replay::PeerRecord& peer) {
+                   peer.has_state = false;
+                   peer.tables.clear();
+                   peer.is_cut = true;
+                 }),
+                 "flags: found"));
+  CHECK(contains(fault_with([](replay::PeerRecord& peer) { peer.lost_state = true; }), "flags: found"));
+  CHECK(contains(fault_with([](replay::PeerRecord& peer) { peer.cells = Bytes(3); }), "cells: found no list"));
+  CHECK(contains(fault_with([](replay::PeerRecord& peer) { peer.tables[0].table = table_count; }), "are of no table"));
+  CHECK(contains(fault_with([](replay::PeerRecord& peer) { peer.tables[0].removed = {4, 4}; }), "do not ascend"));
+  CHECK(contains(fault_with([](replay::PeerRecord& peer) { peer.tables[0] = {}; }), "found no row"));
+  CHECK(contains(fault_with([](replay::PeerRecord& peer) { peer.session_identity ^= 1; }),
+                 "rows: found those of another game"));
+  const auto with_rows = [&](std::size_t count) {
+    return fault_with([count](replay::PeerRecord& peer) {
+      peer.tables[0].removed.clear();
+      peer.tables[0].rows.clear();
+      for (std::uint32_t i = 0; i < count; ++i) peer.tables[0].rows.push_back(i);
+      peer.tables[0].bytes = Bytes(count);
+    });
+  };
+  CHECK(with_rows(replay::peer_row_count_max).empty());
+  CHECK(contains(with_rows(replay::peer_row_count_max + 1), "rows: found 65537, expected at most 65536"));
+  // Counts that the bytes cannot hold are refused before anything is made of them.
+  Bytes counts = encoded(peer_of(3));
+  const std::size_t at = counts.size() - 14;  // the count of the rows of its table
+  for (std::size_t i = 0; i < 4; ++i) counts[at + i] = 0xff;
+  CHECK(contains(fault(counts), "(peer): peer: "));
+}
+
+TEST_CASE("a peer is read as it was written", "[replay][third]") {
+  const replay::TraceSetup setup = setup_with(no_tail);
+  replay::PeerRecord peer = peer_of(3);
+  peer.is_cut = true;
+  peer.inputs = replay::inputs_of(0.25, Bytes(100, 7));
+  peer.facts = {{"compiler", "x"}, {"caller.fused", "yes"}};
+  peer.roots = {{5, 1}, {6, 2}, {9, 3}, {1000, 4}};
+  const auto read = replay::decode_peer(setup.schema, encoded(peer));
+  REQUIRE(read);
+  CHECK(*read == peer);
+  CHECK(read->inputs->begin.size() == replay::input_begin_max);
+  CHECK(read->root_at(9) == 3);
+  CHECK(!read->root_at(7));
+  CHECK(!read->root_at(1001));
+  replay::PeerRecord nothing;
+  nothing.player = 1;
+  nothing.lost_state = true;
+  const auto empty = replay::decode_peer(setup.schema, encoded(nothing));
+  REQUIRE(empty);
+  CHECK(*empty == nothing);
 }
 
 TEST_CASE("what saves unpack to is bounded by the file", "[replay][third][forgery][limits]") {

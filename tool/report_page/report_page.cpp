@@ -19,6 +19,7 @@
 #include "tool/report_page/page_parts.h"
 #include "tool/session/simulations.h"
 #include "verifier/compare/diff.h"
+#include "verifier/peers/bundle.h"
 #include "verifier/report/json_parts.h"
 #include "verifier/report/report_ci.h"
 
@@ -423,10 +424,22 @@ class PageMaker {
       return {};
     }
     if (!reader) return {};
+    add_players(*reader);
     data_["trace"] = trace_json(*reader);
     animation_ = make_animation(*reader, animation_options(*reader, 0, 1));
     mark_divergence();
     return {};
+  }
+
+  /// Of a bundle: who differs, as text.
+  void add_players(replay::TraceReader& reader) {
+    const Result<std::optional<Bundle>> bundle = Bundle::read(reader);
+    if (bundle && !*bundle) return;
+    const std::string text = bundle ? (**bundle).text(reader.setup().schema) : bundle.error().message;
+    const std::string who = bundle ? (**bundle).players_text() : "this bundle cannot be read";
+    players_ =
+        "<section id=\"players\" aria-labelledby=\"players-title\">\n  <h2 id=\"players-title\">Players</h2>\n  <p>" +
+        html_text(who) + "</p>\n  <pre class=\"scroll\" tabindex=\"0\">" + html_text(text) + "</pre>\n</section>\n\n";
   }
 
   void compare(replay::TraceReader& reader, replay::TraceReader& other) {
@@ -493,6 +506,7 @@ class PageMaker {
     const std::pair<std::string_view, std::string> values[] = {
         {"title", html_text(title_)},
         {"css", std::string(page_css)},
+        {"players", players_},
         {"text", html_text(report_text(report_) + (difference_ ? "\n" + diff_text(*difference_) : ""))},
         {"data", script_json(data_.dump(-1, ' ', false, Json::error_handler_t::replace))},
         {"js", std::string(page_js)}};
@@ -535,6 +549,7 @@ class PageMaker {
   const PageOptions& options_;
   Json data_;
   std::string title_;
+  std::string players_;  // HTML
   std::optional<DiffReport> difference_;
   std::optional<Animation> animation_;
   std::optional<Animation> other_;

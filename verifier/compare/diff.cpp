@@ -12,6 +12,7 @@
 #include "verifier/locate/compare_tick.h"
 #include "verifier/locate/locate.h"
 #include "verifier/locate/locate_cells.h"
+#include "verifier/peers/bundle.h"
 
 namespace ticktrue::verifier {
 namespace {
@@ -303,6 +304,9 @@ class Differ {
       out->end.tail = side->tail();
       const replay::TraceTail& tail = out->end.tail;
       if (tail.has_pending_inputs) out->end.pending_inputs = inputs_text(tail.ticks_intact, tail.pending_inputs);
+      if (!tail.peers.empty())
+        report_.notes.push_back((side == &a_ ? "a" : "b") +
+                                (" is a bundle of several players: " + players_text(tail.peers)));
     }
     const auto either = [&](TraceCondition condition) {
       return a_.tail().condition == condition || b_.tail().condition == condition;

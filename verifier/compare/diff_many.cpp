@@ -13,6 +13,7 @@
 #include "verifier/locate/compare_marks.h"
 #include "verifier/locate/compare_tick.h"
 #include "verifier/locate/locate_cells.h"
+#include "verifier/peers/bundle.h"
 
 namespace ticktrue::verifier {
 namespace {
@@ -485,6 +486,8 @@ class ManyDiffer {
     const TraceSide& side = unread ? *unread : client_of(trace).side;
     out.ticks = side.ticks();
     out.end.tail = side.tail();
+    if (!out.end.tail.peers.empty())
+      add_note(out.file + " is a bundle of several players: " + players_text(out.end.tail.peers));
     if (out.end.tail.has_pending_inputs)
       out.end.pending_inputs = inputs_->lines(out.end.tail.ticks_intact, out.end.tail.pending_inputs);
   }

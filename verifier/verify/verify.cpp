@@ -9,6 +9,7 @@
 
 #include "base/count_text.h"
 #include "verifier/locate/locate_cells.h"
+#include "verifier/peers/bundle.h"
 #include "verifier/verify/comparable.h"
 #include "verifier/verify/parts.h"
 #include "verifier/verify/rerun.h"
@@ -463,6 +464,8 @@ Report verify(replay::TraceReader& reader, const VerifyOptions& options) {
   reader.rewind();
   Report report = verify_source(source, options);
   report.file = reader.name();
+  if (std::string note = bundle_note(reader.setup(), report.file); !note.empty() && !options.part)
+    report.notes.push_back(std::move(note));
   report.recorded_build = reader.facts();
   suggest(reader.setup(), options, report);
   return report;

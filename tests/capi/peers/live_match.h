@@ -147,6 +147,9 @@ inline bool first_difference(const LiveGame& a, const LiveGame& b, Difference& f
   return false;
 }
 
+/// What a player's session does beside the match.
+enum class Keeps { memory, recording, box };
+
 struct MatchOptions {
   std::uint32_t player_count = 2;
   std::uint64_t tick_count = 40;
@@ -157,7 +160,22 @@ struct MatchOptions {
   std::size_t packet_size = 1200;
   std::size_t peer_bytes = 0;
   PlantedFault fault;
+  Keeps keeps = Keeps::memory;
+  std::string folder;  // of recordings
+  bool has_other_builds = false;
+  bool has_saves = true;
+  std::uint32_t checkpoint_interval = 10;
 };
+
+inline std::size_t save_game(void* user, void* buffer, std::size_t size) {
+  if (size >= sizeof(LiveGame)) std::memcpy(buffer, user, sizeof(LiveGame));
+  return sizeof(LiveGame);
+}
+inline int load_game(void* user, const void* bytes, std::size_t size) {
+  if (size != sizeof(LiveGame)) return 1;
+  std::memcpy(user, bytes, size);
+  return 0;
+}
 
 /// One player of the match.
 class MatchPlayer {
@@ -176,6 +194,20 @@ class MatchPlayer {
     session.rollback_max = options.rolls_back ? 64 : 0;
     session.peer_bytes = options.peer_bytes;
     session.player = number;
+    if (options.has_other_builds) session.caller_facts = number % 2 == 0 ? "optimize=speed" : "optimize=no";
+    path_ = options.folder + "/player_" + std::to_string(number) + ".ttr";
+    if (options.keeps != Keeps::memory) {
+      session.mode = TICKTRUE_RECORD;
+      session.path = path_.c_str();
+      session.checkpoint_interval = options.checkpoint_interval;
+      session.box_kib = options.keeps == Keeps::box ? 256 : 0;
+      session.flags |= TICKTRUE_NO_SYNC;
+    }
+    if (options.keeps != Keeps::memory && options.has_saves) {
+      session.save = save_game;
+      session.load = load_game;
+      session.user = &game_;
+    }
     session_ = ticktrue_open(&session);
     game_.show(session_);
     for (auto& inputs : inputs_) inputs.assign(delay, 0);  // the first ticks run without
@@ -247,6 +279,7 @@ class MatchPlayer {
     return text;
   }
   ticktrue_session* session() { return session_; }
+  const std::string& path() const { return path_; }
   /// The game after so many ticks, final.
   const LiveGame& history(std::uint64_t ticks) const { return histories_[static_cast<std::size_t>(ticks)]; }
   std::uint64_t confirmed() const { return confirmed_; }
@@ -318,6 +351,7 @@ class MatchPlayer {
 
   MatchOptions options_;
   std::uint32_t number_;
+  std::string path_;
   LiveGame game_;
   PlantedFault fault_;
   ticktrue_session* session_ = nullptr;

@@ -79,6 +79,30 @@ if [ -n "$fused" ]; then
   [ "$code_0,$code_1" = 5,5 ] || complain "fused: exit codes: found $code_0 and $code_1, expected 5"
   grep -q 'fused: here no, there yes (changes bits)' "$work/0" || complain "fused: expected its name, found:"
 fi
+# Each side writes a bundle. That of the side without the bug runs again; that of the other needs its bug to do so.
+cd "$work" || exit 2
+match "$program" "--bundle b0.ttr --record p0.ttr" "--bundle b1.ttr --record p1.ttr --bug order"
+for side in 0 1; do
+  grep -q "note    bundle b$side.ttr: ticks 50..299 of the recording" "$work/$side" || complain "bundle $side: expected its note, found:"
+done
+again() {
+  wanted=$1
+  shift
+  "$program" "$@" >"$work/0" 2>&1
+  code=$?
+  [ "$code" = "$wanted" ] || complain "bundle: $*: exit code: found $code, expected $wanted"
+}
+again 0 0 --verify b0.ttr
+grep -q 'match  b0.ttr  250 of 250 ticks compared' "$work/0" || complain "bundle 0: expected a match, found:"
+again 1 1 --verify b1.ttr
+grep -q 'diverged  b1.ttr  tick 100 of 250' "$work/0" || complain "bundle 1: expected tick 100, found:"
+again 0 1 --verify b1.ttr --bug order
+rm -f p0.ttr p1.ttr b0.ttr b1.ttr
+# Without a recording, from memory.
+match "$program" "--bundle b0.ttr" "--bundle b1.ttr --bug flip --at 7"
+grep -q 'bundle b0.ttr: ticks 0\.\..* of those in memory' "$work/0" || complain "bundle of memory: expected its note, found:"
+again 0 0 --verify b0.ttr
+
 match "$program" "--seed 1" "--seed 2"
 [ "$code_0,$code_1" = 5,5 ] || complain "another level: exit codes: found $code_0 and $code_1, expected 5"
 grep -q 'setup: byte 0 of 4: here 02, there 01' "$work/1" || complain "another level: expected its byte, found:"

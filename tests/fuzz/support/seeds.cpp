@@ -16,7 +16,9 @@
 #include "engine/scene/scene_binary.h"
 #include "engine/scene/scene_json.h"
 #include "replay/box/box_writer.h"
+#include "replay/format/identity.h"
 #include "replay/format/mark_log.h"
+#include "replay/format/peer.h"
 #include "replay/recorder.h"
 #include "tests/fuzz/support/fuzz.h"
 #include "tests/fuzz/support/peers_world.h"
@@ -140,7 +142,7 @@ void seed_third_trace(replay::Detail detail, std::uint64_t first_tick) {
   replay::TraceSetup setup = toy_setup(detail);
   if (detail == replay::Detail::full) setup.full_first = first_tick + 2, setup.full_last = first_tick + 5;
   setup.checkpoint_interval = 4;
-  setup.features = replay::feature_mask & ~static_cast<std::uint32_t>(replay::Feature::peers);
+  setup.features = replay::feature_mask;
   setup.stage_interval = 2;
   setup.whole_schema = setup.schema;
   Column glow;
@@ -175,6 +177,22 @@ void seed_third_trace(replay::Detail detail, std::uint64_t first_tick) {
     is_written = is_written && toy.step(**input, &stages);
     is_written = is_written && writer->end_tick(root_hash(toy.state()), stages.hashes(), &toy.state());
   }
+  // Another player differs in the last tick.
+  replay::PeerRecord peer;
+  peer.player = 1;
+  peer.session_identity = replay::session_identity(setup);
+  peer.facts = {{"compiler", "y"}};
+  peer.tick = first_tick + tick_count - 1;
+  peer.roots = {{peer.tick - 1, 7}, {peer.tick, 8}};
+  peer.inputs = replay::inputs_of(0.5, content);
+  peer.has_state = true;
+  peer.tables = {{0, {0}, {0}, Bytes(setup.schema.tables[0].row_size, 1)}};
+  is_written = is_written && writer->checkpoint(toy.state(), root_hash(toy.state())) && writer->peer(peer);
+  peer.player = 3;
+  peer.has_state = false;
+  peer.lost_state = true;
+  peer.tables.clear();
+  is_written = is_written && writer->peer(peer);
   fuzz::require(is_written && writer->finish(replay::EndReason::complete, ""), "and is");
   const Bytes trace = read_file(path);
   fs::remove(path);

@@ -16,6 +16,7 @@
 #include "replay/trace_reader.h"
 #include "tests/fuzz/support/fuzz.h"
 #include "tests/support/toy_simulation.h"
+#include "verifier/peers/bundle.h"
 #include "verifier/verify/verify.h"
 
 namespace ticktrue::fuzz {
@@ -231,6 +232,9 @@ void read_in_every_way(ByteView bytes) {
     check_seek(*reader, whole, is_whole, tick);
   reader->tick_count_hint();
   check_recovery(bytes, whole);
+  const auto bundle = verifier::Bundle::read(*reader);
+  if (!bundle) require_message(bundle.error());
+  if (bundle && *bundle) require(!(**bundle).text(reader->setup().schema).empty(), "a bundle says something");
 
   ByteReader setup(reader->setup().setup);
   if (setup.u32() > toy_body_count_max) return;

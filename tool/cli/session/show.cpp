@@ -14,6 +14,7 @@
 #include "tool/output/progress.h"
 #include "tool/output/trace_text.h"
 #include "tool/session/trace_summary.h"
+#include "verifier/peers/bundle.h"
 #include "verifier/report/fact_differences.h"
 
 namespace ticktrue::cli {
@@ -215,7 +216,22 @@ Json inputs_json(const verifier::TraceSummary& summary) {
   return object;
 }
 
-void print_summary_json(const replay::TraceReader& reader, const ShowOptions& options,
+/// Of a bundle: who differs. An error is told, and the rest is shown.
+std::optional<verifier::Bundle> read_bundle(replay::TraceReader& reader) {
+  Result<std::optional<verifier::Bundle>> bundle = verifier::Bundle::read(reader);
+  if (bundle) return std::move(*bundle);
+  print_warning(bundle.error().message);
+  return std::nullopt;
+}
+
+Json peers_json(const replay::TraceReader& reader, const verifier::Bundle& bundle) {
+  Json object = Json::parse(verifier::desync_json(reader.setup().schema, bundle.finding()));
+  object["recorded_by"] = bundle.recorder();
+  object["warnings"] = bundle.warnings();
+  return object;
+}
+
+void print_summary_json(replay::TraceReader& reader, const ShowOptions& options,
                         const verifier::TraceSummary& summary) {
   const replay::TraceSetup& setup = reader.setup();
   Json object;
@@ -269,6 +285,7 @@ void print_summary_json(const replay::TraceReader& reader, const ShowOptions& op
     object["end"] = {{"reason", end_reason_name(summary.tail.end->reason)},
                      {"ticks", summary.tail.end->tick_count},
                      {"note", summary.tail.end->note}};
+  if (const auto bundle = read_bundle(reader)) object["peers"] = peers_json(reader, *bundle);
   object["pending_inputs"] = summary.tail.has_pending_inputs;
   object["intact_after"] = Json::array();
   for (const replay::IntactRange& range : summary.tail.intact_after)
@@ -319,7 +336,7 @@ std::string saves_line(const verifier::TraceSummary& summary) {
   return fmt::format("  saves       {}, {} bytes\n", count, size);
 }
 
-void print_summary_text(const replay::TraceReader& reader, const ShowOptions& options,
+void print_summary_text(replay::TraceReader& reader, const ShowOptions& options,
                         const verifier::TraceSummary& summary) {
   const replay::TraceSetup& setup = reader.setup();
   print(fmt::format("{}  {}  {} ticks ({:.3f} s)\n", plain_line(options.file), plain_line(setup.title),
@@ -357,6 +374,10 @@ void print_summary_text(const replay::TraceReader& reader, const ShowOptions& op
       print(fmt::format("    tick {:8}  {}  {} bytes of state, {} stored{}\n", checkpoint.tick,
                         hex64(checkpoint.root_hash), checkpoint.image_size, checkpoint.stored_size,
                         checkpoint.save_size ? fmt::format(", a save of {}", *checkpoint.save_size) : ""));
+  const auto bundle = read_bundle(reader);
+  if (!bundle) return;
+  print(fmt::format("  players     {}\n", bundle->players_text().substr(8)));
+  print(bundle->text(setup.schema));
 }
 
 int run_show(const ShowOptions& options) {

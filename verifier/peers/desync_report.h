@@ -11,18 +11,18 @@
 
 #include "base/state/row_names.h"
 #include "base/state/state_view.h"
-#include "capi/peers/kept_ticks.h"
 #include "replay/format/trace.h"
 
-namespace ticktrue::capi {
+namespace ticktrue::verifier {
 
 /// One player at the tick that differs.
 struct DesyncPlayer {
   std::uint32_t player = 0;
   std::optional<std::uint64_t> root;
-  std::optional<TickInputs> inputs;
+  std::optional<replay::TickInputs> inputs;
   std::optional<std::vector<ImageTable>> tables;  // the state, where it is known; must outlive this
   bool lost_state = false;                        // the player keeps that tick no more
+  std::vector<std::string> hashed;                // where the state is not known: columns whose hashes differ
   replay::BuildFacts facts;                       // empty: no hello came
 };
 
@@ -55,4 +55,4 @@ std::string desync_text(const StateSchema& schema, const DesyncFinding& finding)
 /// One object, without a line break behind it.
 std::string desync_json(const StateSchema& schema, const DesyncFinding& finding);
 
-}  // namespace ticktrue::capi
+}  // namespace ticktrue::verifier

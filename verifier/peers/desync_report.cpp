@@ -1,6 +1,6 @@
 // Compares the states of all players, and prints what differs.
 // SPDX-License-Identifier: MIT
-#include "capi/peers/desync_report.h"
+#include "verifier/peers/desync_report.h"
 
 #include <algorithm>
 #include <map>
@@ -14,7 +14,7 @@
 #include "verifier/report/fact_differences.h"
 #include "verifier/report/json_parts.h"
 
-namespace ticktrue::capi {
+namespace ticktrue::verifier {
 namespace {
 
 constexpr std::size_t compared_lane_count_max = 100'000;  // of one pair of players
@@ -28,6 +28,7 @@ LaneKey lane_key(const LaneDifference& lane) {
           lane.id.value_or(0), lane.place.column, lane.place.lane};
 }
 
+using replay::TickInputs;
 using Names = std::vector<std::size_t>;  // places in the list of players
 
 /// "player 0", "players 0, 2".
@@ -138,10 +139,10 @@ void add_facts(const DesyncFinding& finding, std::string& text) {
       first = &player;
       continue;
     }
-    for (const verifier::FactDifference& difference : verifier::fact_differences(first->facts, player.facts)) {
+    for (const FactDifference& difference : fact_differences(first->facts, player.facts)) {
       add_line(text, label,
-               verifier::difference_line(difference, "player " + std::to_string(first->player),
-                                         "player " + std::to_string(player.player)));
+               difference_line(difference, "player " + std::to_string(first->player),
+                               "player " + std::to_string(player.player)));
       label = "";
     }
   }
@@ -168,6 +169,12 @@ std::string who_text(const DesyncFinding& finding) {
   return text + " differ, and no majority says which is right";
 }
 
+std::string joined(const std::vector<std::string>& names) {
+  std::string text;
+  for (const std::string& name : names) text += (text.empty() ? "" : ", ") + name;
+  return text;
+}
+
 void add_missing(const DesyncFinding& finding, std::string& text) {
   for (const DesyncPlayer& player : finding.players) {
     const std::string name = "player " + std::to_string(player.player);
@@ -176,7 +183,9 @@ void add_missing(const DesyncFinding& finding, std::string& text) {
     else if (player.lost_state)
       add_line(text, "missing", name + ": keeps the state of this tick no more (peer_bytes of the options)");
     else if (!player.tables)
-      add_line(text, "missing", name + ": its state is not known yet");
+      add_line(text, "missing",
+               name + ": its state is not known" +
+                   (player.hashed.empty() ? " yet" : "; by their hashes differ " + joined(player.hashed)));
   }
 }
 
@@ -195,7 +204,7 @@ nlohmann::ordered_json lane_object(const StateSchema& schema, const DesyncFindin
     nlohmann::ordered_json value{{"player", finding.players[i].player}, {"bits", nullptr}};
     if (lane.values[i]) {
       value["bits"] = lane_hex(column.type, *lane.values[i]);
-      value["value"] = verifier::value_json(column.type, *lane.values[i]);
+      value["value"] = value_json(column.type, *lane.values[i]);
     }
     object["values"].push_back(std::move(value));
   }
@@ -298,4 +307,4 @@ std::string desync_json(const StateSchema& schema, const DesyncFinding& finding)
   return object.dump();
 }
 
-}  // namespace ticktrue::capi
+}  // namespace ticktrue::verifier
