@@ -9,6 +9,7 @@
 #include "base/count_text.h"
 #include "base/hash.h"
 #include "base/plain_text.h"
+#include "verifier/report/content_text.h"
 #include "verifier/report/fact_differences.h"
 #include "verifier/report/likely_causes.h"
 #include "verifier/report/report.h"
@@ -62,7 +63,7 @@ std::string headline(const Report& report) {
 }
 
 std::string lane_name(const LaneReport& row) {
-  std::string text = "row " + std::to_string(row.row);
+  std::string text = row.place.empty() ? "row " + std::to_string(row.row) : row.place;
   if (row.id || !row.name.empty()) {
     text += " (";
     if (row.id) text += "id " + std::to_string(*row.id);
@@ -87,7 +88,8 @@ std::string values(const LaneReport& row, const std::string& expected_name, cons
 }
 
 std::string candidate_name(const Candidate& candidate) {
-  std::string text = candidate.table + " row " + std::to_string(candidate.row);
+  std::string text =
+      candidate.place.empty() ? candidate.table + " row " + std::to_string(candidate.row) : candidate.place;
   if (!candidate.id && candidate.name.empty()) return text;
   text += " (";
   if (candidate.id) text += "id " + std::to_string(*candidate.id);
@@ -157,18 +159,28 @@ void add_divergence(const Divergence& divergence, const std::string& expected_na
     std::string columns;
     for (const std::string& column : table.columns)
       columns += (columns.empty() ? "" : ", ") + table.table + "." + column;
-    // One column and one lane: the line below says all of it.
-    if (divergence.lane_count != 1) lines.add("columns", columns);
+    if (table.is_content) columns = table.table;
+    // One column and one lane, or one text: the line below says all of it.
+    if (divergence.lane_count + divergence.content_count != 1) lines.add("columns", columns);
   }
   for (std::size_t i = 0; i < divergence.rows.size() && i < rows_shown_max; ++i) {
     const LaneReport& row = divergence.rows[i];
     lines.add("column", padded(row.table + "." + row.column) + lane_name(row));
     lines.add("value", values(row, expected_name, got_name));
   }
+  for (std::size_t i = 0; i < divergence.contents.size() && i < rows_shown_max; ++i) {
+    const ContentReport& content = divergence.contents[i];
+    lines.add(content.is_text ? "text" : "bytes", content_place(content));
+    lines.add("value", content_values(content, expected_name, got_name));
+  }
   add_candidates(divergence, expected_name, got_name, lines);
   const std::size_t shown = std::min(divergence.rows.size(), rows_shown_max);
   if (divergence.lane_count > shown)
     lines.add("", "and " + count_text(divergence.lane_count - shown, "more lane") + " (--json lists the first)");
+  const std::size_t contents_shown = std::min(divergence.contents.size(), rows_shown_max);
+  if (divergence.content_count > contents_shown)
+    lines.add(
+        "", "and " + count_text(divergence.content_count - contents_shown, "more text") + " (--json lists the first)");
   if (divergence.expected_root != divergence.got_root)
     lines.add("hash", expected_name + " " + hex64(divergence.expected_root) + ".  " + got_name + " " +
                           hex64(divergence.got_root));
