@@ -167,10 +167,10 @@ fi
 
 # --- the commands in the first lines of the examples -----------------------------------------------------------------
 mkdir -p "$work/headers"
-for file in lockstep rollback udp_lockstep swarm consumer units libplugin_pendulum.so libplugin_box2d.so ../examples/bouncers.py; do
+for file in lockstep rollback udp_lockstep swarm consumer units inventory libplugin_pendulum.so libplugin_box2d.so ../examples/bouncers.py; do
   [ ! -e "$file" ] || cp "$file" "$work/headers"
 done
-for example in lockstep.c rollback.c udp_lockstep.c swarm.c consumer.cpp units.cpp plugin_pendulum.c plugin_box2d.cpp bouncers.py; do
+for example in lockstep.c rollback.c udp_lockstep.c swarm.c consumer.cpp units.cpp inventory.cpp plugin_pendulum.c plugin_box2d.cpp bouncers.py; do
   # Of "//   COMMAND   what it does" the command.
   sed -n '1,/^[^/#]/s%^\(//\|#\)   \([^ ].*\)$%\2%p' "../examples/$example" | sed 's/  .*//' >printed
   [ -s printed ] || complain "$example: found no command in its first lines, expected some"
@@ -310,6 +310,15 @@ expect 0 "sync test: 300 ticks ran twice" ./units --record units_sync.ttr --sync
 expect 0 "restore: 300 ticks ran twice" ./units --verify units.ttr --mode restore
 expect 0 "100 of 300 ticks compared" ./units --verify units.ttr --from 200
 
+# --- C++20: texts and lists ------------------------------------------------------------------------------------------
+expect 0 "" c++ -std=c++20 -pedantic -Wall -Wextra -Wshadow -Wconversion -Werror -fsyntax-only -I"$prefix/include" ../examples/inventory.cpp
+expect 0 "recorded  inventory.ttr  200 ticks" ./inventory --record inventory.ttr
+expect 0 "match  inventory.ttr  200 of 200 ticks compared" "$tool" verify inventory.ttr --command './inventory --verify {}'
+expect 1 "heroes[1].name  (id 2)" ./inventory --verify inventory.ttr --fault
+is_told 'differs at character 2'
+expect 1 "heroes[1].name  (id 2)" "$tool" verify inventory.ttr --command './inventory --verify {} --fault'
+is_told 'differs at character 2'
+
 # --- Python ----------------------------------------------------------------------------------------------------------
 if command -v python3 >/dev/null 2>&1; then
   TICKTRUE_LIBRARY=$library
@@ -390,8 +399,8 @@ while read -r exit_code fault text; do
 done <<FAULTS
 0 none 5 ticks
 2 size struct_size: found 12
-2 version interface version: found 99, expected 1..4
-2 old it does not work with interface version 4
+2 version interface version: found 99, expected 1..5
+2 old it does not work with interface version 5
 2 name name: found 0 bytes
 2 engine found another one of this name
 2 many stages: found 100000
