@@ -70,7 +70,8 @@ std::vector<std::string> ChangeSummary::lines() const {
       continue;
     }
     is_any_changed = is_any_changed || tables_[t].constant.size() + first_column(schema) < schema.columns.size();
-    for (const std::size_t c : tables_[t].constant) constant.push_back(schema.name + "." + schema.columns[c].name);
+    for (const std::size_t c : tables_[t].constant)
+      constant.push_back(has_pieces(schema) ? schema.name : schema.name + "." + schema.columns[c].name);
   }
   if (!empty.empty()) lines.push_back("tables that stayed empty: " + names_text(empty));
   if (!constant.empty() && is_any_changed) lines.push_back("columns that never changed: " + names_text(constant));

@@ -183,10 +183,11 @@ std::string headline(const Report& report) {
 
 std::string lane_name(const LaneReport& row) {
   std::string text = row.place.empty() ? "row " + std::to_string(row.row) : row.place;
-  if (row.id || !row.name.empty()) {
+  const bool has_id = row.id && row.place.empty();  // that of an element is its owner, which the place has
+  if (has_id || !row.name.empty()) {
     text += " (";
-    if (row.id) text += "id " + std::to_string(*row.id);
-    if (row.id && !row.name.empty()) text += ", ";
+    if (has_id) text += "id " + std::to_string(*row.id);
+    if (has_id && !row.name.empty()) text += ", ";
     if (!row.name.empty()) text += "name \"" + row.name + "\"";
     text += ")";
   }
@@ -209,10 +210,11 @@ std::string values(const LaneReport& row, const std::string& expected_name, cons
 std::string candidate_name(const Candidate& candidate) {
   std::string text =
       candidate.place.empty() ? candidate.table + " row " + std::to_string(candidate.row) : candidate.place;
-  if (!candidate.id && candidate.name.empty()) return text;
+  const bool has_id = candidate.id && candidate.place.empty();
+  if (!has_id && candidate.name.empty()) return text;
   text += " (";
-  if (candidate.id) text += "id " + std::to_string(*candidate.id);
-  if (candidate.id && !candidate.name.empty()) text += ", ";
+  if (has_id) text += "id " + std::to_string(*candidate.id);
+  if (has_id && !candidate.name.empty()) text += ", ";
   if (!candidate.name.empty()) text += "name \"" + candidate.name + "\"";
   return text + ")";
 }
