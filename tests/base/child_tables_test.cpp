@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: MIT
 #include "base/state/child_tables.h"
 
-#include <cstring>
+#include <cstddef>
 #include <functional>
 #include <string>
 #include <vector>

@@ -1,6 +1,8 @@
 // Child tables behind the C interface and its C++ layer: what is recorded, what reports say of it, what is refused.
 // SPDX-License-Identifier: MIT
+#include <array>
 #include <cstdint>
+#include <cstdio>
 #include <cstring>
 #include <functional>
 #include <nlohmann/json.hpp>
