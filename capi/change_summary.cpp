@@ -4,6 +4,8 @@
 
 #include <cstring>
 
+#include "base/state/child_tables.h"
+
 namespace ticktrue::capi {
 namespace {
 
@@ -15,6 +17,11 @@ std::string names_text(const std::vector<std::string>& names) {
   if (names.size() > summary_name_count_max)
     text += " and " + std::to_string(names.size() - summary_name_count_max) + " more";
   return text;
+}
+
+/// Columns before it say nothing if they never change: keys, and how full pieces of texts are.
+std::size_t first_column(const TableSchema& schema) {
+  return has_pieces(schema) ? schema.columns.size() - 1 : schema.key_column_count;
 }
 
 }  // namespace
@@ -46,7 +53,7 @@ void ChangeSummary::add(const StateView& state) {
     tables_.resize(state.tables.size());
     for (std::size_t t = 0; t < tables_.size(); ++t) {
       const TableSchema& schema = state.schema->tables[t];
-      for (std::size_t c = schema.key_column_count; c < schema.columns.size(); ++c) tables_[t].constant.push_back(c);
+      for (std::size_t c = first_column(schema); c < schema.columns.size(); ++c) tables_[t].constant.push_back(c);
     }
   }
   for (std::size_t t = 0; t < tables_.size(); ++t) compare(t, state.tables[t]);
@@ -62,8 +69,9 @@ std::vector<std::string> ChangeSummary::lines() const {
       empty.push_back(schema.name);
       continue;
     }
-    is_any_changed = is_any_changed || tables_[t].constant.size() + schema.key_column_count < schema.columns.size();
-    for (const std::size_t c : tables_[t].constant) constant.push_back(schema.name + "." + schema.columns[c].name);
+    is_any_changed = is_any_changed || tables_[t].constant.size() + first_column(schema) < schema.columns.size();
+    for (const std::size_t c : tables_[t].constant)
+      constant.push_back(has_pieces(schema) ? schema.name : schema.name + "." + schema.columns[c].name);
   }
   if (!empty.empty()) lines.push_back("tables that stayed empty: " + names_text(empty));
   if (!constant.empty() && is_any_changed) lines.push_back("columns that never changed: " + names_text(constant));

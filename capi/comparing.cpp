@@ -336,7 +336,7 @@ void Comparing::diverge(const RecordedTick& recorded, const DoneTick& done, cons
     report_.notes.push_back("the state here is not finite: " + place_text(*done.state->schema, *place, row_name));
   note_addresses(divergence);
   const std::string tick = std::to_string(done.tick);
-  if (divergence.rows.empty())
+  if (!divergence.has_values())
     report_.again.push_back("record with detail full, ticks " + tick + ".." + tick +
                             ", by both builds; then `ticktrue diff A B` names columns and values");
   if (const std::string program = program_command(report_.file); !program.empty()) {

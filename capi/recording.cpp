@@ -7,6 +7,7 @@
 
 #include "base/count_text.h"
 #include "base/hash.h"
+#include "base/state/child_tables.h"
 
 namespace ticktrue::capi {
 namespace {
@@ -138,7 +139,7 @@ Status Recording::start(const StateView& state, const StateSchema& whole, const 
   setup.stages = stages;
   setup.setup = options_.setup;
   // Version 3 is written where the program uses what it has, and nowhere else.
-  options_.writer.allow_third = options_.features != 0;
+  options_.writer.allow_third = options_.features != 0 || has_children(whole);
   first_root_ = root_ = root_hash(state);
   return begin_file(state, contents);
 }

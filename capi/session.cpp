@@ -260,7 +260,8 @@ int Session::wrong_order(const std::string& what, const std::string& hint) {
 
 bool Session::refuse_in_callback(const char* what) {
   if (!in_callback_) return false;
-  wrong_order(std::string(what) + ": found a call from inside the save or load callback",
+  wrong_order(std::string(what) + ": found a call from inside " +
+                  (is_gathering_ ? "a callback that gives elements" : "the save or load callback"),
               "they may call ticktrue_column and ticktrue_rows, and no other function");
   return true;
 }
@@ -307,7 +308,7 @@ int Session::stage(const char* name) {
                        "the stages of every tick come in the order of ticktrue_add_stage");
   ++stages_done_;
   if (!wants_stages(comparing_ ? comparing_->at(tick_) : nullptr)) return TICKTRUE_OK;
-  if (const Status status = state_.gather(); !status) return fail(status.error());
+  if (const Status status = gather(); !status) return fail(status.error());
   stage_hashes_.push_back(root_hash(state_.view()));
   return TICKTRUE_OK;
 }
@@ -402,7 +403,7 @@ RowNamer Session::namer() {
 int Session::start() {
   if (!state_.is_frozen())
     if (const Status status = state_.freeze(); !status) return fail(status.error());
-  if (const Status status = state_.gather(); !status) return fail(status.error());
+  if (const Status status = gather(); !status) return fail(status.error());
   if (!comparing_) changes_.add(state_.view());
   peers_->begin(state_.view());
   if (is_live_) return TICKTRUE_OK;
@@ -508,7 +509,7 @@ int Session::end_tick() {
   if (stages_done_ != stages_.size())
     return wrong_order("end_tick: stage " + stages_[stages_done_] + ": found no ticktrue_stage for it in this tick",
                        "every stage is said to be done in every tick, also where it has no work");
-  if (const Status status = state_.gather(); !status) return fail(status.error());
+  if (const Status status = gather(); !status) return fail(status.error());
   phase_ = Phase::between;
   compiler::store_relaxed<const void*>(tick_thread_, nullptr);
   inputs_taken_ = 0;

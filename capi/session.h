@@ -56,6 +56,9 @@ class Session {
   int table(const char* name, std::size_t stride, const ticktrue_member* members, std::uint32_t member_count,
             std::uint32_t& table_number);
   int rows(std::uint32_t table, const void* base, std::uint32_t rows);
+  /// `source`: form, callback and stride.
+  int child(const char* name, const char* parent, const ChildSource& source, const ticktrue_member* members,
+            std::uint32_t member_count);
   int key(const char* table, std::uint32_t columns);
   int reference(const char* table, const char* column, const char* target);
   int row_names(const char* table, ticktrue_namer call, void* user);
@@ -96,7 +99,7 @@ class Session {
   /// Closes the session, decides the verdict and returns the exit code. A second call returns the same.
   int finish();
   bool is_finished() const { return phase_ == Phase::finished; }
-  /// Whether the program calls from inside its save or load callback. Then this is a failure of the session.
+  /// Whether the program calls from inside a callback. Then this is a failure of the session.
   bool refuse_in_callback(const char* what);
   bool is_quiet() const { return (flags_ & TICKTRUE_QUIET) != 0; }
   bool wants_json() const { return (flags_ & TICKTRUE_JSON) != 0; }
@@ -129,6 +132,8 @@ class Session {
   Status make_recording(const ticktrue_options& options);
   void set_facts();
   int stop(int status);
+  /// Copies the registered state. The callbacks of child tables are called.
+  Status gather();
   int wrong_order(const std::string& what, const std::string& hint);
   bool can_call(const char* what);
   int start();
@@ -238,7 +243,8 @@ class Session {
   std::unique_ptr<Probe> probe_;  // of a verification that `ticktrue unsaved` runs
   SaveCalls saves_;
   bool in_callback_ = false;
-  std::uint64_t from_ = 0;  // verify
+  bool is_gathering_ = false;  // the callback gives elements of a child table
+  std::uint64_t from_ = 0;     // verify
   std::uint32_t sync_ticks_ = 0;
   bool restores_ = false;
   SecondRun second_;

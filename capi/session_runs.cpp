@@ -47,6 +47,14 @@ std::string range_text(std::uint64_t first, std::uint64_t behind) {
 
 }  // namespace
 
+Status Session::gather() {
+  if (!state_.has_children()) return state_.gather();
+  const InCallback inside(in_callback_), gathering(is_gathering_);
+  const Status status = state_.gather();
+  // A wrong call from inside has failed the session, which has its message.
+  return status_ == TICKTRUE_OK ? status : Error{ErrorCode::usage, message_, ""};
+}
+
 bool Session::save_now(std::optional<Bytes>& bytes) {
   const KeptState before(state_.view());
   Result<std::optional<Bytes>> saved = [&] {
@@ -58,13 +66,15 @@ bool Session::save_now(std::optional<Bytes>& bytes) {
   if (status_ != TICKTRUE_OK) return false;  // a wrong call from inside
   if (!saved) return fail(saved.error()), false;
   bytes = std::move(*saved);
-  if (const Status status = state_.gather(); !status) return fail(status.error()), false;
+  if (const Status status = gather(); !status) return fail(status.error()), false;
   if (before.is_same(state_.view())) return true;
   const verifier::Divergence changed = between(before.view(), state_.view(), namer());
   std::string place;
   if (!changed.rows.empty())
     place =
         ": " + changed.rows[0].table + "." + changed.rows[0].column + ", row " + std::to_string(changed.rows[0].row);
+  else if (!changed.contents.empty())
+    place = ": " + changed.contents[0].place;
   fail({ErrorCode::usage,
         "save callback: tick " + std::to_string(tick_) + ": it changes the state" + place + ": hash before " +
             hex64(changed.expected_root) + ", behind it " + hex64(changed.got_root),
@@ -89,7 +99,7 @@ bool Session::load_now(std::uint64_t tick, ByteView bytes) {
   if (status_ != TICKTRUE_OK) return false;
   if (!loaded) return fail(loaded.error()), false;
   ++load_count_;
-  const Status gathered = state_.gather();
+  const Status gathered = gather();
   if (!gathered) {
     fail({gathered.error().code,
           "load callback: tick " + std::to_string(tick) + ": behind it: " + gathered.error().message,

@@ -18,6 +18,33 @@ bool is_shown_type(int type) {
   return type >= 0 && (type & TICKTRUE_SHOWN) != 0;
 }
 
+/// The members of a struct; `place` begins the messages. Errors: usage.
+Result<std::vector<RowMember>> read_members(const std::string& place, const ticktrue_member* members,
+                                            std::uint32_t member_count) {
+  if ((members == nullptr && member_count > 0) || member_count > limits::column_count_max)
+    return usage(place + "members: found " + (members == nullptr ? "null" : number(member_count)) + ", expected 1.." +
+                     number(limits::column_count_max),
+                 "each member of the struct that is compared is one of them");
+  std::vector<RowMember> row(member_count);
+  for (std::uint32_t i = 0; i < member_count; ++i) {
+    const ticktrue_member& member = members[i];
+    row[i] = {text_of(member.name), scalar_type(member.type), member.lanes, member.offset, is_shown_type(member.type)};
+    if (const Status status = check_name(place + "column", row[i].name); !status) return status.error();
+    const ScalarInfo* scalar = scalar_info(row[i].type);
+    if (scalar == nullptr || member.size == 0) continue;
+    if (member.lanes == 0 && member.size % scalar->size == 0)
+      row[i].lane_count = static_cast<std::uint32_t>(std::min<std::size_t>(member.size / scalar->size, UINT32_MAX));
+    else if (member.lanes == 0 || member.size != std::size_t{scalar->size} * member.lanes)
+      return usage(place + "column " + std::string(row[i].name) + ": bytes in the struct: found " +
+                       number(member.size) + ", expected " +
+                       (member.lanes == 0 ? "a multiple of " + number(scalar->size)
+                                          : number(std::size_t{scalar->size} * member.lanes)) +
+                       " (" + std::string(scalar->name) + ")",
+                   "the type is that of the member: TICKTRUE_U8 for one byte, TICKTRUE_F64 for double");
+  }
+  return row;
+}
+
 }  // namespace
 
 int Session::column(const char* table, const char* name, const void* data, int type, std::uint32_t lanes,
@@ -40,28 +67,13 @@ int Session::table(const char* name, std::size_t stride, const ticktrue_member* 
   if (!can_call("table") || refuse_in_callback("table")) return status_;
   if (const Status status = check_name("table", text_of(name)); !status) return fail(status.error());
   const std::string place = "table " + std::string(text_of(name)) + ": ";
-  if (members == nullptr || member_count == 0 || member_count > limits::column_count_max)
-    return fail(usage(place + "members: found " + (members == nullptr ? "null" : number(member_count)) +
-                          ", expected 1.." + number(limits::column_count_max),
+  if (members == nullptr || member_count == 0)
+    return fail(usage(place + "members: found " + (members == nullptr ? "null" : "0") + ", expected 1.." +
+                          number(limits::column_count_max),
                       "each member of the struct that is compared is one of them"));
-  std::vector<RowMember> row(member_count);
-  for (std::uint32_t i = 0; i < member_count; ++i) {
-    const ticktrue_member& member = members[i];
-    row[i] = {text_of(member.name), scalar_type(member.type), member.lanes, member.offset, is_shown_type(member.type)};
-    if (const Status status = check_name(place + "column", row[i].name); !status) return fail(status.error());
-    const ScalarInfo* scalar = scalar_info(row[i].type);
-    if (scalar == nullptr || member.size == 0) continue;
-    if (member.lanes == 0 && member.size % scalar->size == 0)
-      row[i].lane_count = static_cast<std::uint32_t>(std::min<std::size_t>(member.size / scalar->size, UINT32_MAX));
-    else if (member.lanes == 0 || member.size != std::size_t{scalar->size} * member.lanes)
-      return fail(usage(place + "column " + std::string(row[i].name) + ": bytes in the struct: found " +
-                            number(member.size) + ", expected " +
-                            (member.lanes == 0 ? "a multiple of " + number(scalar->size)
-                                               : number(std::size_t{scalar->size} * member.lanes)) +
-                            " (" + std::string(scalar->name) + ")",
-                        "the type is that of the member: TICKTRUE_U8 for one byte, TICKTRUE_F64 for double"));
-  }
-  const Result<std::size_t> made = state_.table(text_of(name), stride, row);
+  const Result<std::vector<RowMember>> row = read_members(place, members, member_count);
+  if (!row) return fail(row.error());
+  const Result<std::size_t> made = state_.table(text_of(name), stride, *row);
   if (!made) return fail(made.error());
   table_number = static_cast<std::uint32_t>(*made);
   return TICKTRUE_OK;
@@ -76,6 +88,17 @@ int Session::rows(std::uint32_t table, const void* base, std::uint32_t rows) {
     source.row_count = rows;
     tell_probe(state_.schema().tables[table].name.c_str(), "", source);
   }
+  return status ? TICKTRUE_OK : fail(status.error());
+}
+
+int Session::child(const char* name, const char* parent, const ChildSource& source, const ticktrue_member* members,
+                   std::uint32_t member_count) {
+  if (!can_call("child") || refuse_in_callback("child")) return status_;
+  if (const Status status = check_name("table", text_of(name)); !status) return fail(status.error());
+  const Result<std::vector<RowMember>> row =
+      read_members("table " + std::string(text_of(name)) + ": ", members, member_count);
+  if (!row) return fail(row.error());
+  const Status status = state_.child(text_of(name), text_of(parent), source, *row);
   return status ? TICKTRUE_OK : fail(status.error());
 }
 

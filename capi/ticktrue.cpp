@@ -281,6 +281,24 @@ uint32_t ticktrue_table(ticktrue_session* session, const char* name, size_t stri
 int ticktrue_rows(ticktrue_session* session, uint32_t table, const void* base, uint32_t rows) {
   return without_exceptions(session, [&](Session& s) { return s.rows(table, base, rows); });
 }
+int ticktrue_child(ticktrue_session* session, const char* table, const char* parent, ticktrue_elements elements,
+                   void* user, size_t stride, const ticktrue_member* members, uint32_t member_count) {
+  return without_exceptions(session, [&](Session& s) {
+    return s.child(table, parent, {ticktrue::TableForm::rows, elements, user, stride}, members, member_count);
+  });
+}
+int ticktrue_text(ticktrue_session* session, const char* table, const char* parent, ticktrue_elements bytes,
+                  void* user) {
+  return without_exceptions(session, [&](Session& s) {
+    return s.child(table, parent, {ticktrue::TableForm::text, bytes, user, 1}, nullptr, 0);
+  });
+}
+int ticktrue_bytes(ticktrue_session* session, const char* table, const char* parent, ticktrue_elements bytes,
+                   void* user) {
+  return without_exceptions(session, [&](Session& s) {
+    return s.child(table, parent, {ticktrue::TableForm::bytes, bytes, user, 1}, nullptr, 0);
+  });
+}
 int ticktrue_key(ticktrue_session* session, const char* table, uint32_t columns) {
   return without_exceptions(session, [&](Session& s) { return s.key(table, columns); });
 }

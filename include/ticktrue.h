@@ -39,7 +39,7 @@ extern "C" {
    3: save, load, from, to, sync_test, TICKTRUE_RESTORE, ticktrue_seek, TICKTRUE_SHOWN.
    4: TICKTRUE_MARKS, ticktrue_mark, ticktrue_note; TICKTRUE_LIVE, TICKTRUE_REFUSED, peer_bytes, player, ticktrue_root,
       ticktrue_hello, ticktrue_peer_root and what locates a desync.
-   5: ticktrue_bundle, ticktrue_box_save. */
+   5: ticktrue_child, ticktrue_text, ticktrue_bytes; ticktrue_bundle, ticktrue_box_save. */
 #define TICKTRUE_API_VERSION 5u
 
 /* What calls return. */
@@ -183,6 +183,25 @@ TICKTRUE_API uint32_t ticktrue_table(ticktrue_session* session, const char* name
 /* Says where its rows lie: `rows` structs from `base` on. Again whenever base or rows have changed. No name is looked
    up. */
 TICKTRUE_API int ticktrue_rows(ticktrue_session* session, uint32_t table, const void* base, uint32_t rows);
+
+/* Child tables hold what has another length in each row: texts, strings of bytes, lists. A callback gives the elements
+   of one row of `parent`: it returns the first and sets how many there are; 0 is an empty list, and what it returns is
+   then not read. `owner`: where that row lies, as ticktrue_rows and callbacks of ticktrue_child gave it; null where the
+   columns of the parent are registered one by one. `row`: its number in the parent. Called in begin_tick (the first),
+   stage, end_tick and around save and load, for each row in order. It changes nothing. */
+typedef const void* (*ticktrue_elements)(void* user, const void* owner, uint32_t row, size_t* count);
+/* Registers the list that each row of `parent` has, as in "units.inventory" of "units": elements of `stride` bytes,
+   with these members (none: only the number of elements is compared). Before the first tick, and behind its parent,
+   which may be a child, too. The columns "owner" and "index" come before the members, and are its key. */
+TICKTRUE_API int ticktrue_child(ticktrue_session* session, const char* table, const char* parent,
+                                ticktrue_elements elements, void* user, size_t stride, const ticktrue_member* members,
+                                uint32_t member_count);
+/* The same for a text (UTF-8; reports print it) and for a string of bytes (reports print them in hexadecimal). `bytes`
+   gives the first byte and how many there are. */
+TICKTRUE_API int ticktrue_text(ticktrue_session* session, const char* table, const char* parent,
+                               ticktrue_elements bytes, void* user);
+TICKTRUE_API int ticktrue_bytes(ticktrue_session* session, const char* table, const char* parent,
+                                ticktrue_elements bytes, void* user);
 
 /* The first `columns` columns of the table are its key (unsigned integers; rows ascend): rows are compared by key, so
    that one that is missing is told as such. A table without key is compared by position. */

@@ -1,7 +1,7 @@
 // The C++20 layer over ticktrue.h: each member of a struct is named once, and a session does the rest.
 // SPDX-License-Identifier: MIT
 //
-//   TICKTRUE_COLUMNS(Unit, id, pos, vel, team, hp)                  // once, beside the struct
+//   TICKTRUE_COLUMNS(Unit, id, pos, vel, name, inventory)           // once, beside the struct
 //   ticktrue::Session session(argc, argv, "mygame");                // --record F, --verify F
 //   session.table("units", units);                                  // std::vector<Unit>, may grow and move
 //   while (...) { if (!session.begin_tick()) break; step(); session.end_tick(); }
@@ -114,11 +114,47 @@ constexpr std::size_t vector_size() {
   }
 }
 
-/// What a member is.
-enum class Kind { numbers, columns, pointer, text, container, long_double, too_wide, other };
+/// What a member is. Texts, bytes and lists become tables of their own, with the rows they belong to.
+enum class Kind {
+  numbers,
+  columns,
+  text,
+  bytes,
+  list,
+  pointer,
+  wide_text,
+  container,
+  pointers,
+  bad_list,
+  long_double,
+  too_wide,
+  other
+};
 
 template <class T>
 constexpr std::size_t lane_count();
+template <class T>
+constexpr Kind kind_of();
+
+template <class T>
+concept IsByte = std::is_same_v<T, unsigned char> || std::is_same_v<T, char> || std::is_same_v<T, std::byte> ||
+    std::is_same_v<T, char8_t>;
+
+/// The elements of a container that lie side by side.
+template <class C>
+using ElementOf = std::remove_cvref_t<decltype(*std::data(std::declval<const C&>()))>;
+
+template <class Element>
+constexpr Kind list_kind() {
+  if constexpr (IsByte<Element>) {
+    return Kind::bytes;
+  } else {
+    constexpr Kind kind = kind_of<Element>();
+    constexpr bool is_list = kind == Kind::numbers || kind == Kind::columns || kind == Kind::text ||
+                             kind == Kind::bytes || kind == Kind::list;
+    return is_list ? Kind::list : kind == Kind::pointer || kind == Kind::pointers ? Kind::pointers : Kind::bad_list;
+  }
+}
 
 template <class T>
 constexpr Kind plain_kind() {
@@ -134,10 +170,14 @@ constexpr Kind plain_kind() {
     return Kind::numbers;
   else if constexpr (IsArray<T>)
     return ArrayOf<T>::count > 0 ? plain_kind<typename ArrayOf<T>::element>() : Kind::other;
-  else if constexpr (IsContainer<T> && requires { typename T::traits_type; })
-    return Kind::text;
+  else if constexpr (!IsContainer<T>)
+    return Kind::other;
+  else if constexpr (!IsContiguous<T>)
+    return Kind::container;
+  else if constexpr (requires { typename T::traits_type; })
+    return sizeof(ElementOf<T>) == 1 ? Kind::text : Kind::wide_text;
   else
-    return IsContainer<T> ? Kind::container : Kind::other;
+    return list_kind<ElementOf<T>>();
 }
 
 template <class T>
@@ -193,7 +233,7 @@ constexpr int type_of(Of<T>) {
     return std::is_signed_v<T> ? TICKTRUE_I64 : TICKTRUE_U64;
 }
 
-enum class Role { plain, key, shown, reference };
+enum class Role { plain, key, shown, text, reference };
 
 template <class T>
 constexpr bool can_be_key() {
@@ -208,6 +248,12 @@ constexpr bool can_refer() {
     return type_of(number_in<std::remove_cv_t<T>>()) == TICKTRUE_U32;
   else
     return false;
+}
+
+/// Whether T can be a text that ends with its first zero.
+template <class T>
+constexpr bool is_char_array() {
+  return IsByte<typename ArrayOf<T>::element>;
 }
 
 /// A member in the list of TICKTRUE_COLUMNS.
@@ -231,27 +277,126 @@ struct Column {
   const char* target;
 };
 
-/// Appends the columns of a T that begins `offset` bytes behind the begin of a row.
+struct List;
+
+/// The columns of a row or of an element of a list, and its lists.
+struct Layout {
+  std::vector<Column> columns;
+  std::vector<List> lists;
+};
+
+/// A text, a string of bytes or a list inside of a row.
+struct List {
+  std::string name;  // behind that of the table
+  Kind kind;         // text, bytes or list
+  ticktrue_elements elements;
+  std::size_t offset;  // bytes from the begin of a row
+  std::size_t stride;  // bytes
+  Layout layout;       // of an element
+};
+
+/// The elements of a C that lies `offset` bytes behind the begin of a row.
+template <class C>
+const void* elements_of(void* offset, const void* row, std::uint32_t, std::size_t* count) {
+  const auto* at = static_cast<const unsigned char*>(row) + reinterpret_cast<std::uintptr_t>(offset);
+  if constexpr (IsArray<C>) {
+    const void* end = std::memchr(at, 0, sizeof(C));
+    *count = end == nullptr ? sizeof(C) : static_cast<std::size_t>(static_cast<const unsigned char*>(end) - at);
+    return at;
+  } else {
+    const C& container = *static_cast<const C*>(static_cast<const void*>(at));
+    *count = static_cast<std::size_t>(std::size(container));
+    return std::data(container);
+  }
+}
+
 template <class T>
-void add_columns(const std::string& name, std::size_t offset, Role role, const char* target,
-                 std::vector<Column>& columns) {
-  if constexpr (kind_of<T>() == Kind::numbers) {
-    constexpr int type = type_of(number_in<T>());
-    columns.push_back({name, type, static_cast<std::uint32_t>(lane_count<T>()), offset, sizeof(T), role, target});
-  } else if constexpr (IsArray<T>) {
-    using Element = typename ArrayOf<T>::element;
-    for (std::size_t i = 0; i < ArrayOf<T>::count; ++i)
-      add_columns<Element>(name + "[" + std::to_string(i) + "]", offset + i * sizeof(Element), role, target, columns);
-  } else if constexpr (HasColumns<T>) {
-    ticktrue_columns_of(Of<T>{}, [&](auto entry) {
+constexpr std::size_t column_count();
+template <class T>
+constexpr bool has_shown();
+
+inline constexpr int depth_max = 8;  // of lists of lists
+
+/// Appends the columns and lists of a T that begins `offset` bytes behind the begin of a row. In an element of a list,
+/// at `depth` 1 or deeper, the struct itself has the name "".
+template <class T, int depth = 0>
+void add_columns(const std::string& name, std::size_t offset, Role role, const char* target, Layout& layout) {
+  using Type = std::remove_cv_t<T>;
+  if constexpr (is_char_array<Type>()) {
+    if (role == Role::text) {
+      layout.lists.push_back({name, Kind::text, &elements_of<Type>, offset, 1, {}});
+      return;
+    }
+  }
+  if constexpr (kind_of<Type>() == Kind::numbers) {
+    constexpr int type = type_of(number_in<Type>());
+    layout.columns.push_back(
+        {name, type, static_cast<std::uint32_t>(lane_count<Type>()), offset, sizeof(Type), role, target});
+  } else if constexpr (IsArray<Type>) {
+    using Element = typename ArrayOf<Type>::element;
+    for (std::size_t i = 0; i < ArrayOf<Type>::count; ++i)
+      add_columns<Element, depth>(name + "[" + std::to_string(i) + "]", offset + i * sizeof(Element), role, target,
+                                  layout);
+  } else if constexpr (HasColumns<Type>) {
+    ticktrue_columns_of(Of<Type>{}, [&](auto entry) {
       using Member = decltype(entry);
-      const bool is_nested = !name.empty();
+      const bool is_nested = !name.empty() || depth > 0;
       // A key orders the rows of a table: inside of a nested struct it is a column as any other.
       const Role own = is_nested && Member::role == Role::key ? Role::plain : Member::role;
-      add_columns<typename Member::type>(is_nested ? name + "." + entry.name : std::string(entry.name),
-                                         offset + entry.offset, role == Role::shown ? role : own, entry.target,
-                                         columns);
+      std::string member = name.empty() ? std::string(entry.name) : name + "." + entry.name;
+      // Each list has columns of these names.
+      if (depth > 0 && (member == "owner" || member == "index")) member = "value." + member;
+      add_columns<typename Member::type, depth>(member, offset + entry.offset, role == Role::shown ? role : own,
+                                                entry.target, layout);
     });
+  } else if constexpr (kind_of<Type>() == Kind::text || kind_of<Type>() == Kind::bytes) {
+    layout.lists.push_back({name, kind_of<Type>(), &elements_of<Type>, offset, 1, {}});
+  } else if constexpr (kind_of<Type>() == Kind::list) {
+    using Element = ElementOf<Type>;
+    static_assert(depth < depth_max, "ticktrue: a list holds itself, or lists that are nested more than 8 times");
+    static_assert(!has_shown<Element>(), "ticktrue: the elements of a list have a shown(...) member: leave it out");
+    static_assert(column_count<Element>() <= 254, "ticktrue: the elements of a list have more than 254 columns");
+    if constexpr (depth < depth_max) {
+      List& list = layout.lists.emplace_back();
+      list.name = name;
+      list.kind = Kind::list;
+      list.elements = &elements_of<Type>;
+      list.offset = offset;
+      list.stride = sizeof(Element);
+      Layout element;
+      add_columns<Element, depth + 1>(HasColumns<Element> && !HasLanes<Element> ? "" : "value", 0, Role::plain, nullptr,
+                                      element);
+      list.layout = std::move(element);
+    }
+  }
+}
+
+/// Whether a T has texts, bytes or lists, of which it does not hold the elements itself.
+template <class T>
+constexpr bool has_lists() {
+  if constexpr (IsArray<T>) {
+    return has_lists<typename ArrayOf<T>::element>();
+  } else if constexpr (HasLanes<T> || !HasColumns<T>) {
+    return kind_of<T>() == Kind::text || kind_of<T>() == Kind::bytes || kind_of<T>() == Kind::list;
+  } else {
+    bool has = false;
+    ticktrue_columns_of(Of<T>{}, [&](auto entry) { has = has || has_lists<typename decltype(entry)::type>(); });
+    return has;
+  }
+}
+
+template <class T>
+constexpr bool has_shown() {
+  if constexpr (IsArray<T>) {
+    return has_shown<typename ArrayOf<T>::element>();
+  } else if constexpr (HasLanes<T> || !HasColumns<T>) {
+    return false;
+  } else {
+    bool has = false;
+    ticktrue_columns_of(Of<T>{}, [&](auto entry) {
+      has = has || decltype(entry)::role == Role::shown || has_shown<typename decltype(entry)::type>();
+    });
+    return has;
   }
 }
 
@@ -342,6 +487,8 @@ constexpr void check_row(Of<Row>) {
                   "struct; `ticktrue columns PROGRAM Row` prints that line");
     if constexpr (is_row<Row>()) {
       static_assert(column_count<Row>() <= 256, "ticktrue: table: more than 256 columns: make two tables of them");
+      static_assert(column_count<Row>() > 0,
+                    "ticktrue: table: the rows have texts and lists alone: add a number to TICKTRUE_COLUMNS, as an id");
       static_assert(keys_lead<Row>(), "ticktrue: TICKTRUE_COLUMNS: key(...) members come first");
     }
   }
@@ -442,7 +589,7 @@ constexpr bool has_plain_bytes() {
 template <class T>
 constexpr bool can_be_input() {
   const Kind kind = kind_of<T>();
-  return kind == Kind::columns || kind == Kind::numbers || kind == Kind::too_wide ||
+  return (kind == Kind::columns && !has_lists<T>()) || kind == Kind::numbers || kind == Kind::too_wide ||
          (kind == Kind::other && has_plain_bytes<T>());
 }
 
@@ -544,7 +691,8 @@ class Session {
   }
 
   /// Registers a table before the first tick: a std::vector, std::array, std::span or array of rows, or a single struct
-  /// as a table of one row. Rows are structs with TICKTRUE_COLUMNS, or numbers (one column "value").
+  /// as a table of one row. Rows are structs with TICKTRUE_COLUMNS, or numbers (one column "value"). Members that are
+  /// texts or lists come with it, as the tables "units.name" and "units.inventory".
   /// Requires: `container` stays where it is until the session is closed; its rows may grow, shrink and move.
   template <class Container>
   bool table(const char* name, Container&& container) {
@@ -707,31 +855,55 @@ class Session {
   bool add_table(const char* name, const void* container, detail::Of<Row>) {
     if constexpr (detail::is_row<Row>()) {
       if (core_->session == nullptr) return true;
-      std::vector<detail::Column> columns;
+      detail::Layout layout;
       constexpr bool is_number = detail::kind_of<Row>() == detail::Kind::numbers;
-      detail::add_columns<Row>(is_number ? "value" : "", 0, detail::Role::plain, nullptr, columns);
-      const std::uint32_t number = register_table(name, sizeof(Row), columns);
+      detail::add_columns<Row>(is_number ? "value" : "", 0, detail::Role::plain, nullptr, layout);
+      const std::uint32_t number = register_table(name, sizeof(Row), layout.columns);
       if (number == TICKTRUE_NO_TABLE) return goes_on(TICKTRUE_FAILED);
+      register_lists(name, layout.lists);
       std::erase_if(core_->tables, [&](const detail::Core::Table& table) { return table.number == number; });
       core_->tables.push_back({number, container, &detail::rows_of<C, Row>, {}});
     }
     return goes_on(ticktrue_status(core_->session));
   }
 
-  std::uint32_t register_table(const char* name, std::size_t stride, const std::vector<detail::Column>& columns) {
+  std::vector<ticktrue_member> members_of(const std::string& table, const std::vector<detail::Column>& columns) {
     std::vector<ticktrue_member> members;
-    std::uint32_t keys = 0;
     for (const detail::Column& column : columns) {
       const bool is_shown = column.role == detail::Role::shown;
       members.push_back({column.name.c_str(), is_shown ? column.type | TICKTRUE_SHOWN : column.type, column.lanes,
                          column.offset, column.size});
-      keys += column.role == detail::Role::key ? 1 : 0;
-      if (column.role == detail::Role::reference) core_->references.push_back({name, column.name, column.target});
+      if (column.role == detail::Role::reference) core_->references.push_back({table, column.name, column.target});
     }
+    return members;
+  }
+
+  std::uint32_t register_table(const char* name, std::size_t stride, const std::vector<detail::Column>& columns) {
+    const std::vector<ticktrue_member> members = members_of(name, columns);
+    std::uint32_t keys = 0;
+    for (const detail::Column& column : columns) keys += column.role == detail::Role::key ? 1 : 0;
     const std::uint32_t number =
         ticktrue_table(core_->session, name, stride, members.data(), static_cast<std::uint32_t>(members.size()));
     if (number != TICKTRUE_NO_TABLE && keys > 0) ticktrue_key(core_->session, name, keys);
     return number;
+  }
+
+  /// The library finds a list by the address of its row and the offset in it.
+  void register_lists(const std::string& parent, const std::vector<detail::List>& lists) {
+    for (const detail::List& list : lists) {
+      const std::string name = parent + "." + list.name;
+      void* const offset = reinterpret_cast<void*>(static_cast<std::uintptr_t>(list.offset));
+      if (list.kind == detail::Kind::text) {
+        ticktrue_text(core_->session, name.c_str(), parent.c_str(), list.elements, offset);
+      } else if (list.kind == detail::Kind::bytes) {
+        ticktrue_bytes(core_->session, name.c_str(), parent.c_str(), list.elements, offset);
+      } else {
+        const std::vector<ticktrue_member> members = members_of(name, list.layout.columns);
+        ticktrue_child(core_->session, name.c_str(), parent.c_str(), list.elements, offset, list.stride, members.data(),
+                       static_cast<std::uint32_t>(members.size()));
+        register_lists(name, list.layout.lists);
+      }
+    }
   }
 
   std::unique_ptr<detail::Core> core_;  // never null but behind a move
@@ -759,6 +931,7 @@ class Session {
 /// A member is named as it is, or as one of
 ///   key(id)                       first members: rows ascend by them, and are compared by them
 ///   shown(sprite)                 stored and printed, never compared
+///   text(label)                   an array of char that holds a text up to its first zero
 ///   reference(target, "units")    a u32 that holds keys of the rows of that table, or 0xffffffff
 #define TICKTRUE_COLUMNS(Row, ...)                                                         \
   constexpr void ticktrue_columns_of(::ticktrue::detail::Of<Row>, auto&& ticktrue_visit) { \
@@ -772,26 +945,40 @@ class Session {
 // dropped.
 #define TICKTRUE_ROLE_key(member) , key, member, nullptr
 #define TICKTRUE_ROLE_shown(member) , shown, member, nullptr
+#define TICKTRUE_ROLE_text(member) , text, member, nullptr
 #define TICKTRUE_ROLE_reference(member, target) , reference, member, target
 #define TICKTRUE_MEMBER_(member) TICKTRUE_MEMBER_ROLE_(TICKTRUE_ROLE_##member, plain, member, nullptr, )
 #define TICKTRUE_MEMBER_ROLE_(...) TICKTRUE_MEMBER_ENTRY_(__VA_ARGS__)
-#define TICKTRUE_MEMBER_ENTRY_(dropped, role, member, target, ...)                                                  \
-  TICKTRUE_REFUSE_(member, pointer,                                                                                 \
-                   "is a pointer or a reference: another address in every run. Use an index or an id")              \
-  TICKTRUE_REFUSE_(member, text, "is text, which lies elsewhere. Use std::array<char, N>, or the number of a name") \
-  TICKTRUE_REFUSE_(member, container, "is a container, which lies elsewhere. Make its rows a table of their own")   \
-  TICKTRUE_REFUSE_(member, long_double, "is long double: other bytes on other machines. Use double")                \
-  TICKTRUE_REFUSE_(member, too_wide, "has more than 255 numbers. Make them rows of a table of their own")           \
-  TICKTRUE_REFUSE_(member, other,                                                                                   \
-                   "is a struct without columns, or has padding. Write TICKTRUE_COLUMNS for it before this line, "  \
-                   "or specialise ticktrue::lanes")                                                                 \
-  static_assert(::ticktrue::detail::Role::role != ::ticktrue::detail::Role::key ||                                  \
-                    ::ticktrue::detail::can_be_key<decltype(TicktrueRow::member)>(),                                \
-                "ticktrue: key(" #member "): is no unsigned integer");                                              \
-  static_assert(::ticktrue::detail::Role::role != ::ticktrue::detail::Role::reference ||                            \
-                    ::ticktrue::detail::can_refer<decltype(TicktrueRow::member)>(),                                 \
-                "ticktrue: reference(" #member ", ...): is no std::uint32_t");                                      \
-  ticktrue_visit(::ticktrue::detail::Entry<decltype(TicktrueRow::member), ::ticktrue::detail::Role::role>{          \
+#define TICKTRUE_MEMBER_ENTRY_(dropped, role, member, target, ...)                                                     \
+  TICKTRUE_REFUSE_(member, pointer,                                                                                    \
+                   "is a pointer or a reference: another address in every run. Use an index or an id")                 \
+  TICKTRUE_REFUSE_(member, wide_text,                                                                                  \
+                   "is text of wide characters: other bytes on other machines. Use UTF-8 in a std::string")            \
+  TICKTRUE_REFUSE_(                                                                                                    \
+      member, container,                                                                                               \
+      "is a container whose elements do not lie side by side. Use a std::vector, sorted where the order is not fixed") \
+  TICKTRUE_REFUSE_(member, pointers, "is a list of pointers: other addresses in every run. Use indices or ids")        \
+  TICKTRUE_REFUSE_(                                                                                                    \
+      member, bad_list,                                                                                                \
+      "is a list whose elements have no columns. Write TICKTRUE_COLUMNS for the element before this line")             \
+  TICKTRUE_REFUSE_(member, long_double, "is long double: other bytes on other machines. Use double")                   \
+  TICKTRUE_REFUSE_(member, too_wide, "has more than 255 numbers. Make them rows of a table of their own")              \
+  TICKTRUE_REFUSE_(member, other,                                                                                      \
+                   "is a struct without columns, or has padding. Write TICKTRUE_COLUMNS for it before this line, "     \
+                   "or specialise ticktrue::lanes")                                                                    \
+  static_assert(::ticktrue::detail::Role::role != ::ticktrue::detail::Role::key ||                                     \
+                    ::ticktrue::detail::can_be_key<decltype(TicktrueRow::member)>(),                                   \
+                "ticktrue: key(" #member "): is no unsigned integer");                                                 \
+  static_assert(::ticktrue::detail::Role::role != ::ticktrue::detail::Role::reference ||                               \
+                    ::ticktrue::detail::can_refer<decltype(TicktrueRow::member)>(),                                    \
+                "ticktrue: reference(" #member ", ...): is no std::uint32_t");                                         \
+  static_assert(::ticktrue::detail::Role::role != ::ticktrue::detail::Role::text ||                                    \
+                    ::ticktrue::detail::is_char_array<decltype(TicktrueRow::member)>(),                                \
+                "ticktrue: text(" #member "): is no array of char; a std::string needs no word around it");            \
+  static_assert(::ticktrue::detail::Role::role != ::ticktrue::detail::Role::shown ||                                   \
+                    !::ticktrue::detail::has_lists<decltype(TicktrueRow::member)>(),                                   \
+                "ticktrue: shown(" #member "): is a text or a list, which is always compared: leave it out");          \
+  ticktrue_visit(::ticktrue::detail::Entry<decltype(TicktrueRow::member), ::ticktrue::detail::Role::role>{             \
       #member, offsetof(TicktrueRow, member), target});
 #define TICKTRUE_REFUSE_(member, kind, hint)                                                                    \
   static_assert(::ticktrue::detail::kind_of<decltype(TicktrueRow::member)>() != ::ticktrue::detail::Kind::kind, \

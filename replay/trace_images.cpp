@@ -5,6 +5,7 @@
 
 #include "base/assert.h"
 #include "base/limits.h"
+#include "base/state/child_tables.h"
 #include "replay/trace_reader_impl.h"
 
 namespace ticktrue::replay {
@@ -57,12 +58,14 @@ Status TraceReader::Impl::take_image(std::uint64_t image_end) {
   if (cursor.base == ListBase::nothing) {
     composed.take_whole(setup.schema, cursor.list, cursor.tick, image);
     cursor.state_is_known = true;
-    return {};
+    return check_children(setup.schema, composed.tables());
   }
   if (!cursor.state_is_known) return {};
   const std::uint64_t size_max =
       std::min<std::uint64_t>(limits::state_image_size_max, limits::image_held_max(image_end));
-  return composed.replace(setup.schema, cursor.list, cursor.tick, image, size_max);
+  if (const Status status = composed.replace(setup.schema, cursor.list, cursor.tick, image, size_max); !status)
+    return status;
+  return check_children(setup.schema, composed.tables(), composed.listed());
 }
 
 StoredState TraceReader::Impl::stored_state() {

@@ -123,6 +123,29 @@ Status check_source(std::string_view table, std::string_view name, const ColumnS
   return {};
 }
 
+/// Names, types and places of members.
+Status check_members(std::string_view name, std::size_t stride, std::span<const RowMember> members) {
+  const std::string place = "table " + std::string(name);
+  for (const RowMember& member : members) {
+    if (const Status status = check_name(place + ": column", member.name); !status) return status;
+    if (const Status status = check_type(name, member.name, member.type, member.lane_count); !status) return status;
+    const std::size_t size = values_size(member.type, member.lane_count);
+    if (stride < size || member.offset > stride - size)
+      return refused(place_of(name, member.name) + ": offset: found " + std::to_string(member.offset) + " with " +
+                         std::to_string(size) + " bytes, expected both inside the " + std::to_string(stride) +
+                         " bytes of a row",
+                     "the stride is the size of the struct, the offset is offsetof(struct, member)");
+  }
+  NameIndex names;
+  for (std::size_t c = 0; c < members.size(); ++c) {
+    if (const std::optional<std::size_t> before = names.find(members[c].name))
+      return refused(place_of(name, members[c].name) + ": stands twice: as member " + std::to_string(*before) +
+                     " and as member " + std::to_string(c) + ", counted from 0");
+    names.add(members[c].name, c);
+  }
+  return {};
+}
+
 }  // namespace
 
 namespace {
@@ -170,6 +193,8 @@ Status GatheredState::column(std::string_view table_name, std::string_view name,
   }
   if (const Status status = check_type(table_name, name, source.type, source.lane_count); !status) return status;
   if (const Status status = check_source(table_name, name, source); !status) return status;
+  if (t && sources_[*t].child)
+    return refused(place_of(table_name, name) + ": found a child table, whose columns are registered with it");
   if (t && !sources_[*t].members.empty())
     return refused(place_of(table_name, name) + ": found a table whose columns are members of a struct",
                    "ticktrue_rows says where its rows lie; columns of their own make a table of another name");
@@ -264,28 +289,11 @@ Result<std::size_t> GatheredState::table(std::string_view name, std::size_t stri
   if (members.empty() || members.size() > limits::column_count_max)
     return refused(place + ": members: found " + std::to_string(members.size()) + ", expected 1.." +
                    std::to_string(limits::column_count_max));
-  for (const RowMember& member : members) {
-    if (const Status status = check_name(place + ": column", member.name); !status) return status.error();
-    if (const Status status = check_type(name, member.name, member.type, member.lane_count); !status)
-      return status.error();
-    const std::size_t size = values_size(member.type, member.lane_count);
-    if (stride < size || member.offset > stride - size)
-      return refused(place_of(name, member.name) + ": offset: found " + std::to_string(member.offset) + " with " +
-                         std::to_string(size) + " bytes, expected both inside the " + std::to_string(stride) +
-                         " bytes of a row",
-                     "the stride is the size of the struct, the offset is offsetof(struct, member)");
-  }
+  if (const Status status = check_members(name, stride, members); !status) return status.error();
   if (const std::optional<std::size_t> t = table_names_.find(name)) {
     if (has_members(*t, stride, members)) return *t;
     return refused(place + ": found other members than before, expected the same",
                    "a table is registered once; ticktrue_rows says where its rows lie now");
-  }
-  NameIndex names;
-  for (std::size_t c = 0; c < members.size(); ++c) {
-    if (const std::optional<std::size_t> before = names.find(members[c].name))
-      return refused(place_of(name, members[c].name) + ": stands twice: as member " + std::to_string(*before) +
-                     " and as member " + std::to_string(c) + ", counted from 0");
-    names.add(members[c].name, c);
   }
   if (frozen_)
     return refused(place + ": found a new table after the first tick, expected one that is known",
@@ -306,16 +314,93 @@ Result<std::size_t> GatheredState::table(std::string_view name, std::size_t stri
   return t;
 }
 
+Status GatheredState::child(std::string_view name, std::string_view parent, const ChildSource& source,
+                            std::span<const RowMember> members) {
+  TICKTRUE_ASSERT(source.form != TableForm::plain);
+  const std::string place = "table " + std::string(name);
+  if (const Status status = check_name("table", name); !status) return status;
+  const auto p = find_table(parent);
+  if (!p)
+    return refused(place + ": parent: found no table " + std::string(parent),
+                   "register the parent before its children");
+  if (has_pieces(schema_.tables[*p]))
+    return refused(place + ": parent: found the pieces of " + std::string(parent) + ", expected a table of rows");
+  if (source.read == nullptr)
+    return refused(place + ": elements: found null, expected a callback that gives the elements of a row");
+  if (const Status status = check_members(name, source.stride, members); !status) return status;
+  for (const RowMember& member : members)
+    if (member.is_shown)
+      return refused(place_of(name, member.name) + ": found a shown column in a child table, expected a judged one");
+  if (const std::optional<std::size_t> t = table_names_.find(name)) {
+    TableSource& known = sources_[*t];
+    if (!known.child || known.child->source.form != source.form ||
+        schema_.tables[*t].parent != static_cast<std::int16_t>(*p) || !has_members(*t, source.stride, members))
+      return refused(place + ": found another parent, form or members than before, expected the same",
+                     "a child is registered once; a call again says which callback gives its elements");
+    known.child->source = source;
+    return {};
+  }
+  if (frozen_)
+    return refused(place + ": found a new table after the first tick, expected one that is known",
+                   "register every table before the first tick; a list may be empty then");
+  if (const Status status = add_table(name); !status) return status;
+  const std::size_t t = schema_.tables.size() - 1;
+  schema_.tables[t].form = source.form;
+  schema_.tables[t].parent = static_cast<std::int16_t>(*p);
+  sources_[t].child.emplace().source = source;
+  sources_[t].stride = source.stride;
+  sources_[*p].is_parent = has_children_ = true;
+  return add_child_columns(t, members);
+}
+
+/// The columns of the form, and those of an element.
+Status GatheredState::add_child_columns(std::size_t t, std::span<const RowMember> members) {
+  ColumnSource source;
+  source.type = ScalarType::u32;
+  const auto add = [&](std::string_view name, std::uint32_t lane_count) {
+    source.lane_count = lane_count;
+    return add_column(t, name, source);
+  };
+  if (const Status status = add("owner", 1); !status) return status;
+  if (const Status status = add("index", 1); !status) return status;
+  schema_.tables[t].key_column_count = 2;
+  if (has_pieces(schema_.tables[t])) {
+    if (const Status status = add("size", 1); !status) return status;
+    return add("bytes", schema_.tables[t].form == TableForm::text ? text_lane_count : bytes_lane_count);
+  }
+  std::vector<ElementPart>& parts = sources_[t].child->parts;
+  for (const RowMember& member : members) {
+    if (sources_[t].names.find(member.name))
+      return refused(place_of(schema_.tables[t].name, member.name) + ": found a name that every child table has",
+                     "owner and index are its key: give the member another name");
+    source.type = member.type;
+    if (const Status status = add(member.name, member.lane_count); !status) return status;
+    const std::size_t size = values_size(member.type, member.lane_count);
+    const std::size_t to = schema_.tables[t].row_size - size;
+    // Neighbours in the element that are neighbours in the row are copied together.
+    if (!parts.empty() && parts.back().from + parts.back().size == member.offset)
+      parts.back().size += size;
+    else
+      parts.push_back({member.offset, to, size});
+    sources_[t].members.push_back({std::string(member.name), member});
+    sources_[t].members.back().member.name = {};
+  }
+  return {};
+}
+
 Status GatheredState::rows(std::size_t t, const void* first, std::uint32_t row_count) {
-  if (t >= sources_.size() || sources_[t].members.empty())
+  if (t >= sources_.size() || sources_[t].members.empty() || sources_[t].child)
     return refused("rows: table " + std::to_string(t) + ": found " +
-                       (t < sources_.size() ? "columns that were registered one by one" : "no such number") +
+                       (t >= sources_.size() ? "no such number"
+                        : sources_[t].child  ? "a child, whose elements a callback gives"
+                                             : "columns that were registered one by one") +
                        ", expected a number that ticktrue_table gave",
                    "columns of ticktrue_column are registered again when they have moved");
   if (const Status status = check_row_count("table " + schema_.tables[t].name, first, row_count); !status)
     return status;
   const auto* bytes = static_cast<const std::uint8_t*>(first);
   TableSource& source = sources_[t];
+  source.base = bytes;
   std::size_t judged = 0, shown = 0;
   for (const Member& member : source.members) {
     ColumnSource& column = member.member.is_shown ? source.shown[shown++] : source.columns[judged++];
@@ -329,6 +414,8 @@ Status GatheredState::key(std::string_view table_name, std::uint32_t column_coun
   const auto t = find_table(table_name);
   if (!t) return refused("key: table " + std::string(table_name) + ": found none of this name", "register its columns");
   TableSchema& table = schema_.tables[*t];
+  if (sources_[*t].child)
+    return refused("key: table " + table.name + ": found a child table, whose key is owner and index");
   if (frozen_ && table.key_column_count == column_count) return {};
   if (frozen_) return refused("table " + table.name + ": key: found a change after the first tick");
   if (column_count == 0 || column_count > table.columns.size())
@@ -350,6 +437,10 @@ Status GatheredState::reference(std::string_view table_name, std::string_view co
                    ": found none of this name");
   if (*c >= shown_place)
     return refused("reference: " + place_of(table_name, column_name) + ": found a shown column, expected a judged one");
+  const bool is_of_form = has_pieces(schema_.tables[*t]) || *c < schema_.tables[*t].key_column_count;
+  if (sources_[*t].child && is_of_form)
+    return refused("reference: " + place_of(table_name, column_name) +
+                   ": found a column that every child table has, expected one of its elements");
   Column& column = schema_.tables[*t].columns[*c];
   if (frozen_ && column.target == static_cast<std::int16_t>(*other)) return {};
   if (frozen_)
@@ -367,6 +458,12 @@ Status GatheredState::freeze() {
     if (schema_.tables[t].columns.empty())
       return refused("table " + schema_.tables[t].name + ": found shown columns alone, expected a judged one",
                      "an id or an index, whose number of rows is judged");
+  for (TableSchema& table : schema_.tables) {
+    if (table.form == TableForm::plain) continue;
+    const TableSchema& parent = schema_.tables[static_cast<std::size_t>(table.parent)];
+    const bool has_ids = parent.key_column_count == 1 && parent.columns[0].type == ScalarType::u32;
+    table.columns[0].target = has_ids ? table.parent : std::int16_t{-1};
+  }
   make_whole_schema();
   if (const Status status = check_schema(whole_, SchemaLayout::third); !status)
     return Error{ErrorCode::usage, status.error().message, status.error().hint};
@@ -442,11 +539,66 @@ Status GatheredState::check_keys(std::size_t t) const {
   return {};
 }
 
+Status GatheredState::gather_table(std::size_t t) {
+  const TableSchema& table = schema_.tables[t];
+  const std::vector<ColumnSource>& sources = sources_[t].columns;
+  const std::uint32_t row_count = sources.front().row_count;
+  rows_[t].resize(static_cast<std::size_t>(row_count) * table.row_size);
+  view_.tables[t] = {rows_[t].data(), row_count};
+  if (row_count == 0) return {};
+  pack_rows(table, sources, row_count, rows_[t].data());
+  return check_keys(t);
+}
+
+Status GatheredState::gather_child(std::size_t t, std::uint64_t image_size_max) {
+  const TableSchema& table = schema_.tables[t];
+  const auto p = static_cast<std::size_t>(table.parent);
+  Child& child = *sources_[t].child;
+  child.rows.clear();
+  child.elements.clear();
+  view_.tables[t] = {};
+  const TableRows owners = view_.tables[p];
+  // A reader may say that rows lie elsewhere: that holds from the next call on.
+  const std::uint8_t* const base = sources_[p].base;
+  const bool is_grandchild = sources_[p].child.has_value();
+  const bool by_id = table.columns[0].target >= 0;
+  for (std::uint32_t row = 0; row < owners.row_count; ++row) {
+    const std::uint8_t* owner_at = nullptr;
+    if (is_grandchild)
+      owner_at = sources_[p].child->elements[row];
+    else if (base != nullptr)
+      owner_at = base + row * sources_[p].stride;
+    ElementList list;
+    list.first = static_cast<const std::uint8_t*>(child.source.read(child.source.user, owner_at, row, &list.count));
+    if (list.count == 0) continue;
+    list.stride = child.source.stride;
+    std::uint32_t owner = row;
+    if (by_id) std::memcpy(&owner, owners.data + std::size_t{row} * schema_.tables[p].row_size, sizeof owner);
+    if (list.first == nullptr)
+      return refused("table " + table.name + ": owner " + std::to_string(owner) +
+                         ": found null, expected the first of " + std::to_string(list.count) +
+                         (has_pieces(table) ? " bytes" : " elements"),
+                     "an empty list has the count 0");
+    const Status status = has_pieces(table) ? child.rows.add_pieces(table, owner, list, image_size_max)
+                                            : child.rows.add_elements(table, owner, list, child.parts, image_size_max);
+    if (!status) return status;
+    if (sources_[t].is_parent)
+      for (std::size_t i = 0; i < list.count; ++i) child.elements.push_back(list.first + i * list.stride);
+  }
+  view_.tables[t] = child.rows.rows();
+  return {};
+}
+
 Status GatheredState::gather() {
   TICKTRUE_ASSERT(frozen_);
   std::uint64_t image_size = 0;
   for (std::size_t t = 0; t < schema_.tables.size(); ++t) {
     const TableSchema& table = schema_.tables[t];
+    if (sources_[t].child) {
+      if (const Status status = gather_child(t, limits::state_image_size_max - image_size); !status) return status;
+      image_size += static_cast<std::uint64_t>(view_.tables[t].row_count) * table.row_size;
+      continue;
+    }
     const std::vector<ColumnSource>& sources = sources_[t].columns;
     const std::uint32_t row_count = sources.front().row_count;
     if (const Status status = check_row_counts(table, sources, table.columns[0], row_count); !status) return status;
@@ -456,11 +608,7 @@ Status GatheredState::gather() {
           ErrorCode::limit,
           "table " + table.name + ": state: grows beyond " + std::to_string(limits::state_image_size_max) + " bytes",
           ""};
-    rows_[t].resize(static_cast<std::size_t>(row_count) * table.row_size);
-    view_.tables[t] = {rows_[t].data(), row_count};
-    if (row_count == 0) continue;
-    pack_rows(table, sources, row_count, rows_[t].data());
-    if (const Status status = check_keys(t); !status) return status;
+    if (const Status status = gather_table(t); !status) return status;
   }
   return {};
 }

@@ -14,6 +14,7 @@
 
 #include "base/bytes.h"
 #include "base/result.h"
+#include "base/state/child_tables.h"
 #include "base/state/state_view.h"
 
 namespace ticktrue {
@@ -36,6 +37,14 @@ struct RowMember {
   std::uint32_t lane_count = 1;
   std::size_t offset = 0;
   bool is_shown = false;
+};
+
+/// A child table as a program registers it.
+struct ChildSource {
+  TableForm form = TableForm::rows;  // not plain
+  ElementReader read = nullptr;
+  void* user = nullptr;    // given to it
+  std::size_t stride = 0;  // bytes from an element to the next; of rows
 };
 
 /// The shown part of the rows of a table that has some.
@@ -77,6 +86,13 @@ class GatheredState {
   Status rows(std::size_t table, const void* first, std::uint32_t row_count);
   std::optional<std::size_t> find_table(std::string_view name) const { return table_names_.find(name); }
 
+  /// Before freeze: adds a child of `parent`, a table that is known. `members`: of an element, for the form `rows`; may
+  /// be empty. A child that is known with the same members takes `read` and `user` of this call.
+  /// Errors: usage (as table(); no such parent; no reader; shown members), limit.
+  Status child(std::string_view name, std::string_view parent, const ChildSource& source,
+               std::span<const RowMember> members);
+  bool has_children() const { return has_children_; }
+
   /// The leading `column_count` columns of the table are its key: rows ascend by them, and are compared by key.
   /// Errors: usage (unknown table, after freeze). Whether the columns may be keys, freeze says.
   Status key(std::string_view table, std::uint32_t column_count);
@@ -89,7 +105,8 @@ class GatheredState {
   bool is_frozen() const { return frozen_; }
 
   /// Copies every value into packed rows, which view() then shows.
-  /// Errors: usage (columns of a table with different row counts, keys that do not ascend), limit.
+  /// Calls the readers of children. They may say where columns and rows lie, and change nothing else here.
+  /// Errors: usage (columns of a table with different row counts, keys that do not ascend, null with elements), limit.
   /// Requires: is_frozen().
   Status gather();
   const StateView& view() const { return view_; }
@@ -99,7 +116,10 @@ class GatheredState {
   /// Requires: the sources have `writable` and rows.row_count rows.
   void scatter(std::size_t table, const ImageTable& rows);
 
-  std::uint32_t row_count(std::size_t table) const { return sources_[table].columns.front().row_count; }
+  /// Of a child: those of the last gather().
+  std::uint32_t row_count(std::size_t table) const {
+    return sources_[table].child ? view_.tables[table].row_count : sources_[table].columns.front().row_count;
+  }
 
   /// With the shown columns, behind the judged ones. Requires: is_frozen().
   const StateSchema& whole_schema() const { return whole_; }
@@ -114,6 +134,13 @@ class GatheredState {
     std::string name;
     RowMember member;  // its name is empty
   };
+  /// What a child has beside its columns.
+  struct Child {
+    ChildSource source;
+    std::vector<ElementPart> parts;
+    ChildRows rows;
+    std::vector<const std::uint8_t*> elements;  // [row], where each lies; kept if a child of its own needs it
+  };
   /// Where the columns of one table lie.
   struct TableSource {
     NameIndex names;  // of a shown column: shown_place and its place in `shown`
@@ -121,12 +148,18 @@ class GatheredState {
     std::vector<Column> shown_columns;
     std::vector<ColumnSource> shown;
     std::uint32_t shown_row_size = 0;
-    std::vector<Member> members;  // empty: each column lies where it says
-    std::size_t stride = 0;       // of these
+    std::vector<Member> members;         // empty: each column lies where it says
+    std::size_t stride = 0;              // of these
+    const std::uint8_t* base = nullptr;  // of its rows, where it has members
+    std::optional<Child> child;
+    bool is_parent = false;
   };
   static constexpr std::size_t shown_place = std::size_t{1} << 20;
 
   Status add_table(std::string_view name);
+  Status add_child_columns(std::size_t table, std::span<const RowMember> members);
+  Status gather_table(std::size_t table);
+  Status gather_child(std::size_t table, std::uint64_t image_size_max);
   Status add_column(std::size_t table, std::string_view name, const ColumnSource& source);
   void make_whole_schema();
   Status check_keys(std::size_t table) const;
@@ -144,6 +177,7 @@ class GatheredState {
   std::vector<Bytes> shown_rows_;            // [place in shown_tables_]
   Bytes shown_canonical_;
   bool frozen_ = false;
+  bool has_children_ = false;
 };
 
 /// Whether a name may stand in a schema and in a report: 1..name_size_max bytes, no control characters.

@@ -13,6 +13,7 @@
 #include "base/hash.h"
 #include "base/limits.h"
 #include "base/row_kernels.h"
+#include "base/state/child_tables.h"
 
 namespace ticktrue {
 namespace {
@@ -204,6 +205,7 @@ Result<std::vector<ImageTable>> check_image(const StateSchema& schema, ByteView 
       }
     }
   }
+  if (const Status status = check_children(schema, *tables); !status) return status.error();
   return tables;
 }
 

@@ -24,8 +24,16 @@ struct Slot { std::uint16_t item; bool is_used; };
 TICKTRUE_COLUMNS(Slot, item, is_used)
 enum class Team : std::uint8_t { red, blue };
 struct Base { std::uint32_t id; };
-struct Unit : Base { Vec2 pos; Team team; long wear[3]; std::array<Slot, 2> bag; std::uint32_t target; float glow; int* owner; };
-TICKTRUE_COLUMNS(Unit, key(id), pos.x, pos.y, team, wear, bag, reference(target, "units"), shown(glow));
+struct Item { int index; std::string label; std::vector<Slot> slots; };
+TICKTRUE_COLUMNS(Item, index, label, slots)
+struct Unit : Base {
+  Vec2 pos; Team team; long wear[3]; std::array<Slot, 2> bag; std::uint32_t target; float glow; int* owner;
+  std::string name; std::string_view rank; char label[8]; std::array<char, 4> tag; std::string words[2];
+  std::vector<unsigned char> blob; std::vector<Vec2> path; std::vector<Item> items; std::vector<std::string> lines;
+  std::vector<std::vector<int>> grid; std::span<const float> view;
+};
+TICKTRUE_COLUMNS(Unit, key(id), pos.x, pos.y, team, wear, bag, reference(target, "units"), shown(glow), name, rank,
+                 text(label), text(tag), words, blob, path, items, lines, grid, view);
 template <class T> struct Pair { T first, second; };
 template <class T> TICKTRUE_COLUMNS(Pair<T>, first, second)
 class Counter {
@@ -59,6 +67,8 @@ int main(int argc, char** argv) {
     pair.second += static_cast<double>(dt);
     if (has_fault && tick == 5) pair.second += 1;
     units[0].bag[1].item++;
+    units[0].items.push_back({tick, "item", std::vector<game::Slot>(2)});
+    units[0].words[1] += "word";
     session.end_tick();
   }
   return session.close();
@@ -68,11 +78,13 @@ UNIT
 # One bad member a struct: each is refused by its name.
 cat >members.cpp <<'UNIT'
 #include <ticktrue.hpp>
+#include <deque>
 #include <map>
 #include <optional>
 struct Padded { float x; double y; };
 struct Unit {
-  int id; bool flag; int* pointer; std::unique_ptr<int> owner; int& reference_; std::string name; std::vector<int> list;
+  int id; bool flag; int* pointer; std::unique_ptr<int> owner; int& reference_; std::wstring name; std::deque<int> list;
+  std::vector<int*> addresses; std::vector<Padded> pads; std::vector<bool> bits; std::string text_; std::vector<int> ints;
   std::map<int, int> tree; long double wide; float many[256]; Padded padded; std::optional<int> maybe; const char* labels[2];
 };
 #define BAD(row, member) struct row : Unit {}; TICKTRUE_COLUMNS(row, id, member) TABLE_OF(row)
@@ -80,14 +92,21 @@ struct Unit {
 #define TABLE_OF(row) inline void use(const row&) { ticktrue_columns_of(ticktrue::detail::Of<row>{}, ticktrue::detail::Ignore{}); }
 BAD(A, pointer) BAD(B, owner) BAD(C, reference_) BAD(D, name) BAD(E, list) BAD(F, tree) BAD(G, wide) BAD(H, many)
 BAD(I, padded) BAD(J, maybe) BAD(K, labels) BAD(L, key(flag)) BAD(M, reference(id, "x"))
+BAD(N, addresses) BAD(O, pads) BAD(P, bits) BAD(Q, text(id)) BAD(R, shown(text_)) BAD(S, key(ints))
 UNIT
 cat >members.txt <<'MESSAGES'
 ticktrue: pointer is a pointer or a reference: another address in every run. Use an index or an id
 ticktrue: owner is a pointer or a reference: another address in every run. Use an index or an id
 ticktrue: reference_ is a pointer or a reference: another address in every run. Use an index or an id
-ticktrue: name is text, which lies elsewhere. Use std::array<char, N>, or the number of a name
-ticktrue: list is a container, which lies elsewhere. Make its rows a table of their own
-ticktrue: tree is a container, which lies elsewhere. Make its rows a table of their own
+ticktrue: name is text of wide characters: other bytes on other machines. Use UTF-8 in a std::string
+ticktrue: list is a container whose elements do not lie side by side. Use a std::vector, sorted where the order is not fixed
+ticktrue: tree is a container whose elements do not lie side by side. Use a std::vector, sorted where the order is not fixed
+ticktrue: addresses is a list of pointers: other addresses in every run. Use indices or ids
+ticktrue: pads is a list whose elements have no columns. Write TICKTRUE_COLUMNS for the element before this line
+ticktrue: bits is a container whose elements do not lie side by side
+ticktrue: text(id): is no array of char; a std::string needs no word around it
+ticktrue: shown(text_): is a text or a list, which is always compared: leave it out
+ticktrue: key(ints): is no unsigned integer
 ticktrue: wide is long double: other bytes on other machines. Use double
 ticktrue: many has more than 255 numbers. Make them rows of a table of their own
 ticktrue: padded is a struct without columns, or has padding. Write TICKTRUE_COLUMNS for it before this line
@@ -112,8 +131,17 @@ struct Mat { float at[4]; int more; };
 template <> struct ticktrue::lanes<Mat> : ticktrue::lanes_of<float, 4> {};
 struct HasMat { Mat mat; };
 TICKTRUE_COLUMNS(HasMat, mat)
+struct Named { std::string name; };
+TICKTRUE_COLUMNS(Named, name)
+struct Node { int id; std::vector<Node> nodes; };
+TICKTRUE_COLUMNS(Node, id, nodes)
+struct Glow { int id; float glow; };
+TICKTRUE_COLUMNS(Glow, id, shown(glow))
+struct HasGlow { int id; std::vector<Glow> glows; };
+TICKTRUE_COLUMNS(HasGlow, id, glows)
 void calls(ticktrue::Session& session, std::vector<None>& none, std::vector<None*>& pointers, std::deque<int>& deque,
-           std::vector<Late>& late, std::vector<Wide>& wide, std::vector<Derived>& derived, Padded& padded) {
+           std::vector<Late>& late, std::vector<Wide>& wide, std::vector<Derived>& derived, Padded& padded,
+           std::vector<Named>& named, std::vector<Node>& nodes, std::vector<HasGlow>& glows) {
   session.table("a", none);
   session.table("b", pointers);
   session.table("c", deque);
@@ -121,6 +149,10 @@ void calls(ticktrue::Session& session, std::vector<None>& none, std::vector<None
   session.table("e", wide);
   session.table("f", derived);
   session.table("g", std::vector<int>{1});
+  session.table("h", named);
+  session.table("i", nodes);
+  session.table("j", glows);
+  session.input(named[0]);
   session.input(padded);
   const int fixed = 1;
   session.input(fixed);
@@ -137,6 +169,9 @@ ticktrue: table: the rows do not lie side by side: copy them into a std::vector 
 ticktrue: TICKTRUE_COLUMNS: key(...) members come first
 ticktrue: table: more than 256 columns: make two tables of them
 ticktrue: table: the session keeps the address of the container: give it a name
+ticktrue: table: the rows have texts and lists alone: add a number to TICKTRUE_COLUMNS, as an id
+ticktrue: a list holds itself, or lists that are nested more than 8 times
+ticktrue: the elements of a list have a shown(...) member: leave it out
 ticktrue: input: has padding, pointers or no fixed size: write TICKTRUE_COLUMNS for the struct
 ticktrue: input: a verification replaces the value: it is not const
 ticktrue: saves: the lambdas capture nothing: they are given the state

@@ -42,10 +42,12 @@ struct Vec3 { union { double x, r; }; union { double y, g; }; union { double z, 
 enum class Team : std::uint8_t { red, blue };
 struct Slot { std::uint16_t item; bool is_used; std::int32_t count; };
 struct Odd { float x; double y; };
+struct Item { std::uint16_t kind; std::string label; };
 struct Base { std::uint32_t id; };
 struct Unit : Base {
   Vec2 pos; Vec3 far; Team team; bool is_alive; std::int16_t hp; double wear[3]; std::array<std::int64_t, 2> score;
   Slot hand; std::array<Slot, 2> bag; Odd odd; Vec2 corners[2]; Unit* target; std::string name; std::vector<int> list;
+  std::vector<Item> items; std::vector<int*> pointers; std::vector<bool> flags; std::vector<Unit> crowd;
   std::unique_ptr<int> owner; std::map<int, int> tree; long double wide; unsigned bits : 3;
   union { int as_int; float as_float; }; struct { int inner; }; char label[8]; float many[256];
   struct Nested { std::uint8_t a; std::uint64_t b; } nested;
@@ -80,15 +82,18 @@ TICKTRUE_COLUMNS(Slot, item, is_used, count)
 //   padding   bytes 3 of 8, in no trace
 TICKTRUE_COLUMNS(Odd, x, y)
 //   padding   bytes 4..7 of 16, in no trace
+TICKTRUE_COLUMNS(Item, kind, label)
+//   padding   bytes 2..7 of 40, in no trace
 TICKTRUE_COLUMNS(Unit::Nested, a, b)
 //   padding   bytes 1..7 of 16, in no trace
-TICKTRUE_COLUMNS(Unit, id, pos, far, team, is_alive, hp, wear, score, hand, bag, odd, corners, inner, label, nested,
-    last)
+TICKTRUE_COLUMNS(Unit, id, pos, far, team, is_alive, hp, wear, score, hand, bag, odd, corners, name, list, items, inner,
+    label, nested, last)
 //   left out  target    is a pointer or a reference: another address in every run. Use an index or an id
-//   left out  name      is text, which lies elsewhere. Use std::array<char, N>, or the number of a name
-//   left out  list      is a container, which lies elsewhere. Make its rows a table of their own
+//   left out  pointers  is a list of pointers: other addresses in every run. Use indices or ids
+//   left out  flags     is a list of bits, which have no addresses. Use std::vector<std::uint8_t>
+//   left out  crowd     is a list of the struct that it is in. Keep indices or ids in it
 //   left out  owner     is a pointer or a reference: another address in every run. Use an index or an id
-//   left out  tree      is a container, which lies elsewhere. Make its rows a table of their own
+//   left out  tree      is a container whose elements do not lie side by side. Use a std::vector, sorted where the order is not fixed
 //   left out  wide      is long double: other bytes on other machines. Use double
 //   left out  bits      is a bit-field, which has no address. Use a whole integer
 //   left out  as_int    is one of a union: nothing says which member is valid. Keep a value of each beside it
@@ -107,7 +112,8 @@ int main(int argc, char** argv) {
   session.table("widgets", widgets);
   for (int tick = 0; tick < 20; ++tick) {
     if (!session.begin_tick()) break;
-    for (game::Unit& unit : units) { unit.pos.x += 1; unit.bag[1].count += tick; unit.nested.b ^= 5; unit.far.z -= 0.5; }
+    for (game::Unit& unit : units) { unit.pos.x += 1; unit.bag[1].count += tick; unit.nested.b ^= 5; unit.far.z -= 0.5;
+      unit.name += "x"; unit.list.push_back(tick); unit.items.push_back({7, unit.name}); }
     if (argc > 3 && tick == 7) units[1].bag[1].count += 1;
     widgets[0].depth = static_cast<std::uint8_t>(tick);
     session.end_tick();

@@ -124,7 +124,7 @@ cp game.c "$work/doc/game.c"
 # The first program behind the heading, and what the document says that it prints.
 sed -n '/^## C++: five lines$/,$p' "$source/docs/any_simulation.md" >five_lines
 awk '/^```cpp$/ { n++; next } /^```/ { if (n) exit } n' five_lines >"$work/doc/units.cpp"
-cp lockstep rollback udp_lockstep "$work/doc"
+cp lockstep rollback udp_lockstep inventory "$work/doc"
 [ ! -f libplugin_pendulum.so ] || cp libplugin_pendulum.so "$work/doc"
 library_folder=$(dirname "$library")
 sed -n 's/^\$ //p' "$source/docs/any_simulation.md" |
@@ -147,7 +147,7 @@ while IFS= read -r command; do
     ./game_fma*) wanted=$is_red is_red=0 ;;
     ./units_fma*) wanted=1 ;;
     "./lockstep --record"*) ;;
-    *--bug* | "ticktrue diff "* | "ticktrue verify b1.ttr"*) wanted=1 ;;
+    *--bug* | *--fault* | "ticktrue diff "* | "ticktrue verify b1.ttr"*) wanted=1 ;;
   esac
   case $command in *' & '*) command="{ $command; code=\$?; wait; exit \$code; }" ;; esac
   expect "$wanted" "" env HOME="$home" PATH="$(dirname "$tool"):$PATH" sh -c "cd '$work/doc' && $environment && $command"
@@ -157,6 +157,10 @@ if [ "$(uname -m)" = x86_64 ]; then # other machines fuse by themselves
   is_told() { grep -qF "$1" five_lines && grep -qF "$1" "$out" || { cat "$out"; complain "any_simulation.md: five lines: expected $1"; }; }
   is_told "600 ticks (10.000 s)"
   is_told "hash    8191fa7a62d5f9f9"
+  LD_LIBRARY_PATH=$library_folder "$work/doc/inventory" --record "$work/doc/w.ttr" >"$out" 2>&1
+  is_told "hash    69aca91c4cc9c0a3"
+  LD_LIBRARY_PATH=$library_folder "$work/doc/inventory" --verify "$work/doc/w.ttr" --fault >"$out" 2>&1
+  is_told 'expected "Cleo the Rich".  got "Cldo the Rich".  differs at character 2'
   if [ -x "$work/doc/units_fma" ]; then
     LD_LIBRARY_PATH=$library_folder "$work/doc/units_fma" --verify "$work/doc/v.ttr" >"$out" 2>&1
     is_told "tick 33 of 600"
@@ -167,10 +171,10 @@ fi
 
 # --- the commands in the first lines of the examples -----------------------------------------------------------------
 mkdir -p "$work/headers"
-for file in lockstep rollback udp_lockstep swarm consumer units libplugin_pendulum.so libplugin_box2d.so ../examples/bouncers.py; do
+for file in lockstep rollback udp_lockstep swarm consumer units inventory libplugin_pendulum.so libplugin_box2d.so ../examples/bouncers.py; do
   [ ! -e "$file" ] || cp "$file" "$work/headers"
 done
-for example in lockstep.c rollback.c udp_lockstep.c swarm.c consumer.cpp units.cpp plugin_pendulum.c plugin_box2d.cpp bouncers.py; do
+for example in lockstep.c rollback.c udp_lockstep.c swarm.c consumer.cpp units.cpp inventory.cpp plugin_pendulum.c plugin_box2d.cpp bouncers.py; do
   # Of "//   COMMAND   what it does" the command.
   sed -n '1,/^[^/#]/s%^\(//\|#\)   \([^ ].*\)$%\2%p' "../examples/$example" | sed 's/  .*//' >printed
   [ -s printed ] || complain "$example: found no command in its first lines, expected some"
@@ -180,7 +184,7 @@ for example in lockstep.c rollback.c udp_lockstep.c swarm.c consumer.cpp units.c
       *python3*) command -v python3 >/dev/null 2>&1 || continue ;;
     esac
     wanted=0
-    case $command in *--bug*) wanted=1 ;; esac
+    case $command in *--bug* | *--fault*) wanted=1 ;; esac
     command=$(printf '%s' "$command" | sed "s|PREFIX/lib/libticktrue.so|$library|")
     case $command in *' & '*) command="{ $command; code=\$?; wait; exit \$code; }" ;; esac
     expect "$wanted" "" env PYTHONHASHSEED=1 PATH="$(dirname "$tool"):$PATH" sh -c "cd '$work/headers' && $command"
@@ -330,6 +334,15 @@ expect 1 "tick 150 of 300" ./units --verify units.ttr --fault
 expect 0 "sync test: 300 ticks ran twice" ./units --record units_sync.ttr --sync-test 5
 expect 0 "restore: 300 ticks ran twice" ./units --verify units.ttr --mode restore
 expect 0 "100 of 300 ticks compared" ./units --verify units.ttr --from 200
+
+# --- C++20: texts and lists ------------------------------------------------------------------------------------------
+expect 0 "" c++ -std=c++20 -pedantic -Wall -Wextra -Wshadow -Wconversion -Werror -fsyntax-only -I"$prefix/include" ../examples/inventory.cpp
+expect 0 "recorded  inventory.ttr  200 ticks" ./inventory --record inventory.ttr
+expect 0 "match  inventory.ttr  200 of 200 ticks compared" "$tool" verify inventory.ttr --command './inventory --verify {}'
+expect 1 "heroes[1].name  (id 2)" ./inventory --verify inventory.ttr --fault
+expect 1 "differs at character 2" ./inventory --verify inventory.ttr --fault
+expect 1 "heroes[1].name  (id 2)" "$tool" verify inventory.ttr --command './inventory --verify {} --fault'
+expect 1 "differs at character 2" "$tool" verify inventory.ttr --command './inventory --verify {} --fault'
 
 # --- Python ----------------------------------------------------------------------------------------------------------
 if command -v python3 >/dev/null 2>&1; then

@@ -575,5 +575,81 @@ TEST_CASE("stage hashes stand in the full range and in ticks that the interval d
   CHECK(contains(of(1), "stage hashes: found 1 where the setup has none or 1"));
 }
 
+/// Rows of one byte, and texts of them in pieces of four bytes, whose owners are numbers of rows.
+replay::TraceSetup setup_with_texts() {
+  replay::TraceSetup setup = setup_with(no_tail);
+  setup.schema.tables.resize(1);
+  TableSchema& texts = setup.schema.tables.emplace_back();
+  texts.name = "texts";
+  texts.form = TableForm::text;
+  texts.parent = 0;
+  texts.key_column_count = 2;
+  for (const char* name : {"owner", "index", "size", "bytes"}) {
+    Column& column = texts.columns.emplace_back();
+    column.name = name;
+    column.offset = static_cast<std::uint16_t>(texts.row_size);
+    texts.row_size += 4;
+  }
+  return setup;
+}
+
+struct Piece {
+  std::uint32_t owner = 0;
+  std::uint32_t index = 0;
+  std::uint32_t size = 0;
+  std::uint32_t bytes = 0;
+};
+
+/// With base 1, the texts alone.
+Bytes texts_list(std::uint8_t base, const std::vector<Piece>& pieces) {
+  ByteWriter out;
+  out.u8(base);
+  out.varint(base == 0 ? 2 : 1);
+  if (base == 0) {
+    out.varint(0);
+    out.u32(2);  // rows
+    out.u16(0);
+  }
+  out.varint(base == 0 ? 0 : 1);
+  out.u32(static_cast<std::uint32_t>(pieces.size()));
+  for (const Piece& piece : pieces)
+    for (const std::uint32_t value : {piece.owner, piece.index, piece.size, piece.bytes}) out.u32(value);
+  return out.take();
+}
+
+TEST_CASE("a reader refuses pieces of texts that break a rule", "[replay][third][forgery][corruption][children]") {
+  const std::vector<Piece> good{{0, 0, 4, 0x61616161}, {0, 1, 2, 0x6161}, {1, 0, 1, 0x61}};
+  const auto of = [&](const std::vector<Piece>& pieces, bool in_tick) {
+    Forger forger = begin_third(setup_with_texts());
+    forger.list(ChunkKind::checkpoint, texts_list(0, in_tick ? good : pieces));
+    if (in_tick) full_tick(forger, texts_list(1, pieces));
+    const ThirdTrace all = read_third(forger.take());
+    return all.tail.condition == TraceCondition::damaged ? all.tail.message : std::string();
+  };
+  CHECK(of(good, false).empty());
+  CHECK(of({good[0], good[1]}, true).empty());
+  struct Case {
+    std::vector<Piece> pieces;
+    std::string message;
+  };
+  const std::vector<Case> cases{
+      {{{2, 0, 1, 0x61}}, "texts[0]: owner: found 2, expected a row of t0, which has 2"},
+      {{{0, 0, 4, 0x61616161}, {0, 2, 1, 0x61}}, "texts[1]: index: found 2, expected 1: it counts without gap"},
+      {{{0, 1, 1, 0x61}}, "texts[0]: index: found 1, expected 0"},
+      {{{0, 0, 3, 0x616161}, {0, 1, 1, 0x61}}, "texts[0]: size: found 3, expected 4: another piece follows"},
+      {{{0, 0, 0, 0}}, "texts[0]: size: found 0, expected 1..4"},
+      {{{0, 0, 0xffffffff, 0}}, "texts[0]: size: found 4294967295, expected 1..4"},
+      {{{1, 0, 2, 0x616161}}, "texts[0]: byte 2, which is unused: found 97, expected 0"},
+      {{{1, 0, 1, 0x61}, {0, 0, 1, 0x61}}, "texts[1]: owner: found 0, expected at least 1"},
+  };
+  for (const Case& one : cases)
+    for (const bool in_tick : {false, true}) {
+      CAPTURE(one.message, in_tick);
+      const std::string message = of(one.pieces, in_tick);
+      CAPTURE(message);
+      CHECK(contains(message, one.message));
+    }
+}
+
 }  // namespace
 }  // namespace ticktrue::test

@@ -3,8 +3,10 @@
 #include "verifier/report/report_transfer.h"
 
 #include "tests/support/catch.h"
+#include "tests/support/text.h"
 #include "tests/verifier/toy_variants.h"
 #include "verifier/report/report_ci.h"
+#include "verifier/report/report_read.h"
 
 namespace ticktrue::test {
 namespace {
@@ -41,13 +43,17 @@ Report full_report() {
   divergence.time_s = 9.25;
   divergence.stage = "solve";
   divergence.stage_note = "note";
-  divergence.tables = {{"bodies", {"x", "y"}}, {"links", {}}};
+  divergence.tables = {{"bodies", {"x", "y"}}, {"links", {}}, {"bodies.name", {"bytes"}, true}};
   divergence.rows = {{"bodies", "x", 1, 2u, "n", 3, 4, ScalarType::f32, 0x3f800000u, std::nullopt},
-                     {"bodies", "y", 1, std::nullopt, "", 0, 1, ScalarType::i64, 5u, 6u}};
+                     {"bodies", "y", 1, std::nullopt, "", 0, 1, ScalarType::i64, 5u, 6u, "bodies[1].path[2]"}};
+  divergence.contents = {{"bodies[1].name", "bodies.name", 1, 2u, "n", true, "bop\x1b", "bob", 0, 4, 3, 2, 2u},
+                         {"bodies[3].blob", "bodies.blob", 3, std::nullopt, "", false, std::string("\0\xff", 2),
+                          std::nullopt, 7, 9, 0, 8, std::nullopt}};
+  divergence.content_count = 5;
   divergence.lane_count = 10;
   divergence.from_cells = true;
   divergence.row_counts = {{"links", 2, 3}};
-  divergence.candidates = {{"bodies", 1, 2u, "n"}, {"bodies", 2, std::nullopt, ""}};
+  divergence.candidates = {{"bodies", 1, 2u, "n"}, {"bodies", 2, std::nullopt, "", "bodies[1].path[0]"}};
   divergence.candidate_count = 11;
   divergence.owner_count = 12;
   divergence.healed = true;
@@ -87,6 +93,26 @@ TEST_CASE("a report that went through bytes says the same", "[verifier][report][
   CHECK(verifier::encode_report(*back) == bytes);
   const Report real = verify_bytes(toy_trace(toy_setup(3), 12), toy_info);
   CHECK(everything(*verifier::decode_report(verifier::encode_report(real))) == everything(real));
+}
+
+TEST_CASE("the texts of a report come back from its JSON", "[verifier][report][children][equivalence]") {
+  const Report full = full_report();
+  const auto read = verifier::read_report(verifier::report_json({&full, 1}, false), StateSchema());
+  REQUIRE(read);
+  REQUIRE(read->report.divergence);
+  Report expected = full, back = read->report;
+  // Values of columns need the schema of the trace.
+  expected.divergence->rows.clear();
+  back.divergence->rows.clear();
+  expected.divergence->spread.clear();  // not read
+  CHECK(verifier::divergence_text(*back.divergence) == verifier::divergence_text(*expected.divergence));
+  CHECK(back.divergence->contents[1].expected == full.divergence->contents[1].expected);
+  const std::string text = verifier::divergence_text(*back.divergence);
+  CHECK(contains(text, "text    bodies[1].name  (id 2, name \"n\")"));
+  CHECK(contains(text, "expected \"bop\\x1b\".  got \"bob\".  differs at character 2; 4 and 3 bytes"));
+  CHECK(contains(text, "bytes   bodies[3].blob"));
+  CHECK(contains(text, "expected ff.  got no such row."));
+  CHECK(contains(text, "and 3 more texts"));
 }
 
 TEST_CASE("a report that is cut or longer is refused", "[verifier][report][corruption]") {

@@ -20,9 +20,10 @@ struct StandardType {
   std::string_view refusal;
 };
 constexpr std::string_view text_refusal =
-    "is text, which lies elsewhere. Use std::array<char, N>, or the number of a name";
+    "is text of wide characters: other bytes on other machines. Use UTF-8 in a std::string";
 constexpr std::string_view container_refusal =
-    "is a container, which lies elsewhere. Make its rows a table of their own";
+    "is a container whose elements do not lie side by side. Use a std::vector, sorted where the order is not fixed";
+constexpr std::string_view pointers_refusal = "is a list of pointers: other addresses in every run. Use indices or ids";
 constexpr std::string_view pointer_refusal =
     "is a pointer or a reference: another address in every run. Use an index or an id";
 constexpr StandardType standard_types[] = {
@@ -112,6 +113,26 @@ class Layouts {
     return {};
   }
 
+  static bool is_std_text(const Type& type) {
+    if (type.scope.size() < 2 || type.scope[0] != "std") return false;
+    for (const char* name :
+         {"basic_string<char,", "basic_string<char8_t,", "basic_string_view<char,", "basic_string_view<char8_t,"})
+      if (type.scope.back().rfind(name, 0) == 0) return true;
+    return false;
+  }
+
+  /// Why the elements of a list cannot be recorded; empty: they can.
+  std::string list_refusal(std::size_t element, std::size_t depth) {
+    const Type& type = at(element);
+    if (type.kind == Type::Kind::boolean)
+      return "is a list of bits, which have no addresses. Use std::vector<std::uint8_t>";
+    if (type.kind == Type::Kind::pointer) return std::string(pointers_refusal);
+    if (std::find(open_.begin(), open_.end(), element) != open_.end())
+      return "is a list of the struct that it is in. Keep indices or ids in it";
+    const std::string refusal = refusal_of(element, depth + 1);
+    return refusal.empty() ? "" : "is a list of " + type.name + ", and that " + refusal;
+  }
+
   /// Why the type is no column; empty: it is one, or its columns have lines of their own by now.
   std::string refusal_of(std::size_t place, std::size_t depth) {
     const Type& type = at(place);
@@ -132,6 +153,8 @@ class Layouts {
       default:
         return "is of a type that is no column: " + type.name;
     }
+    if (is_std_text(type)) return "";
+    if (type.is_list) return list_refusal(type.element, depth);
     if (const std::string_view standard = standard_refusal(type); !standard.empty()) return std::string(standard);
     if (type.is_union) return "is a union: nothing says which member is valid. Keep a value of each beside it";
     if (type.scope.empty() || type.scope[0] == "std")
@@ -152,7 +175,9 @@ class Layouts {
     for (auto part = behind; part != type.scope.end(); ++part)
       layout.local_name += (layout.local_name.empty() ? "" : "::") + *part;
     layout.size = type.size;
+    open_.push_back(place);
     add_members(type, {0, false, false}, layout, depth);
+    open_.pop_back();
     // total order: by offset, then in the order of the debug information
     std::stable_sort(layout.members.begin(), layout.members.end(),
                      [](const LayoutMember& a, const LayoutMember& b) { return a.offset < b.offset; });
@@ -211,6 +236,7 @@ class Layouts {
 
   const std::vector<Type>& types_;
   std::vector<StructLayout> layouts_;
+  std::vector<std::size_t> open_;  // records whose members are being looked at
 };
 
 std::string gap_text(const Gap& gap) {

@@ -327,6 +327,7 @@ class Types {
     types_.types[place].kind = Type::Kind::record;
     types_.types[place].is_union = tag == DW_TAG_union_type;
     if (is_std_array(types_.types[place]) && fill_std_array(die, place, depth)) return;
+    if (is_std_list(types_.types[place]) && fill_std_list(die, place, depth)) return;
     Dwarf_Die child;
     if (dwarf_child(&die, &child) != 0) return;
     std::size_t left = type_count_max;
@@ -361,6 +362,23 @@ class Types {
 
   static bool is_std_array(const Type& type) {
     return type.scope.size() >= 2 && type.scope[0] == "std" && type.scope.back().rfind("array<", 0) == 0;
+  }
+  static bool is_std_list(const Type& type) {
+    if (type.scope.size() < 2 || type.scope[0] != "std") return false;
+    return type.scope.back().rfind("vector<", 0) == 0 || type.scope.back().rfind("span<", 0) == 0;
+  }
+  /// By its first template argument.
+  bool fill_std_list(Dwarf_Die& die, std::size_t place, std::size_t depth) {
+    Dwarf_Die child, element;
+    if (dwarf_child(&die, &child) != 0) return false;
+    do {
+      if (dwarf_tag(&child) != DW_TAG_template_type_parameter || !type_of(child, element)) continue;
+      const std::size_t of_element = add(element, depth + 1);
+      types_.types[place].element = of_element;
+      types_.types[place].is_list = true;
+      return true;
+    } while (dwarf_siblingof(&child, &child) == 0);
+    return false;
   }
   /// By its template arguments: a type and a number.
   bool fill_std_array(Dwarf_Die& die, std::size_t place, std::size_t depth) {

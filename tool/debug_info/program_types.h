@@ -29,7 +29,8 @@ struct Type {
   std::string name;         // records with their namespaces
   std::uint64_t size = 0;   // bytes
   std::uint64_t count = 0;  // of an array; 0: not known
-  std::size_t element = 0;  // of an array
+  std::size_t element = 0;  // of an array or a list
+  bool is_list = false;     // std::vector and std::span: `element` lies elsewhere
   bool is_union = false;    // of a record
   std::vector<std::string>
       scope;  // of a record: namespaces, then structs around it; an empty name: anonymous namespace

@@ -93,7 +93,7 @@ function showNotices() {
 }
 
 function rowName(row) {
-  let text = row.table + ' row ' + row.row;
+  let text = row.place || row.table + ' row ' + row.row;
   if (row.id !== null && row.id !== undefined) text += ', id ' + row.id;
   return row.name ? [make('b', '', row.name), make('span', 'quiet', '  ' + text)] : [text];
 }
@@ -133,6 +133,30 @@ function laneTable(divergence, path, sides) {
     }));
 }
 
+/** What could end a line or turn the direction of text, as escapes. */
+function quoted(text) {
+  const escaped = (c) => '\\u' + c.charCodeAt(0).toString(16).padStart(4, '0');
+  return JSON.stringify(text).replace(/[\u007f-\u009f\u061c\u200e\u200f\u2028-\u202e\u2066-\u2069]/g, escaped);
+}
+
+/** The texts and strings of bytes that differ, with both sides. */
+function contentTable(divergence, path, sides) {
+  const side = (content, bytes) => bytes === null ? 'no such row' :
+    content.kind === 'text' ? (content.first > 0 ? '...' : '') + quoted(bytes) : mono(bytes || 'nothing');
+  return table(
+    [['Text'], [sides[0]], [sides[1]], ['differs at']],
+    divergence.contents.map((content, i) => {
+      const at = path + '.contents.' + i + '.';
+      const id = content.id === null ? '' : make('span', 'quiet', '  id ' + content.id);
+      const place = content.character === null ? 'byte ' + whole(content.byte) : 'character ' + whole(content.character);
+      return make('tr', '',
+        fact(make('td', '', make('span', '', content.place), id), at + 'place'),
+        fact(make('td', '', side(content, content.expected)), at + 'expected'),
+        fact(make('td', '', side(content, content.got)), at + 'got'),
+        fact(make('td', '', place), at + 'byte'));
+    }));
+}
+
 function candidateTable(cells, path) {
   return table([['Rows that can have differed'], ['id', 'num']], cells.candidates.map((row, i) =>
     make('tr', '',
@@ -154,7 +178,8 @@ function showDivergence(divergence, path, sides, lines, tables) {
   if (divergence.stage || divergence.stage_note)
     addLine(lines, 'Stage', make('span', '', divergence.stage ? make('b', '', divergence.stage) : '',
       make('span', 'quiet', (divergence.stage ? '  ' : '') + divergence.stage_note)), path + '.stage');
-  const columns = divergence.tables.map((part) => part.columns.map((column) => part.table + '.' + column).join(', '));
+  const columns = divergence.tables.map((part) =>
+    part.content ? part.table : part.columns.map((column) => part.table + '.' + column).join(', '));
   addLine(lines, 'Columns', columns.length > 0 ? columns : 'not known: the trace stores only a hash of this tick',
     path + '.columns');
   const [one, two] = [sides[0].toLowerCase(), sides[1].toLowerCase()];
@@ -178,6 +203,10 @@ function showDivergence(divergence, path, sides, lines, tables) {
   if (divergence.rows.length > 0) tables.append(laneTable(divergence, path, sides));
   if (divergence.lane_count > divergence.rows.length)
     tables.append(make('p', 'quiet small', 'and ' + count(divergence.lane_count - divergence.rows.length, 'more lane')));
+  const contents = divergence.contents || [];
+  if (contents.length > 0) tables.append(contentTable(divergence, path, sides));
+  if (divergence.content_count > contents.length)
+    tables.append(make('p', 'quiet small', 'and ' + count(divergence.content_count - contents.length, 'more text')));
   if (cells && divergence.rows.length === 0 && cells.candidates.length > 0) tables.append(candidateTable(cells, path));
 }
 

@@ -350,7 +350,9 @@ std::string difference_sentence(const DiffReport& difference) {
   if (!difference.divergence) return both + ": " + difference.reason;
   const Divergence& divergence = *difference.divergence;
   std::string text = both + " differ from tick " + std::to_string(divergence.tick) + " on";
-  if (!divergence.tables.empty())
+  if (!divergence.contents.empty())
+    text += ": " + divergence.contents.front().place;
+  else if (!divergence.tables.empty())
     text += ": " + divergence.tables.front().table + "." + divergence.tables.front().columns.front();
   return text;
 }

@@ -336,7 +336,7 @@ class Differ {
       report_.verdict = DiffVerdict::incomplete;
       report_.reason = "no tick was compared";
     }
-    if (report_.divergence && report_.divergence->rows.empty() && comparable_)
+    if (report_.divergence && !report_.divergence->has_values() && comparable_)
       report_.again.push_back(
           more_detail_commands(report_.a.file, report_.b.file, report_.divergence->tick, options_.tool));
   }

@@ -634,7 +634,7 @@ class ManyDiffer {
     if (!report_.state) return;
     const StateFinding& finding = *report_.state;
     if (std::none_of(finding.odd.begin(), finding.odd.end(),
-                     [](const OddState& odd) { return odd.divergence.rows.empty(); }))
+                     [](const OddState& odd) { return !odd.divergence.has_values(); }))
       return;
     const std::string number = std::to_string(finding.tick);
     if (options_.tool.empty()) {

@@ -57,12 +57,17 @@ std::map<LaneKey, LaneReport> lanes_of(const Divergence& divergence) {
 }
 
 bool lists_all(const Divergence& divergence) {
-  return divergence.lane_count == divergence.rows.size() && !divergence.rows.empty() && divergence.row_counts.empty();
+  return divergence.lane_count == divergence.rows.size() && !divergence.rows.empty() && divergence.content_count == 0 &&
+         divergence.row_counts.empty();
 }
 
 /// What the other program has where this one has the recorded value, and the other way round.
 void swap_sides(Divergence& divergence) {
   for (LaneReport& lane : divergence.rows) std::swap(lane.expected, lane.got);
+  for (ContentReport& content : divergence.contents) {
+    std::swap(content.expected, content.got);
+    std::swap(content.expected_size, content.got_size);
+  }
   for (RowCountDifference& count : divergence.row_counts) std::swap(count.expected, count.got);
   std::swap(divergence.expected_root, divergence.got_root);
 }

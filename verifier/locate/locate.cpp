@@ -4,6 +4,8 @@
 
 #include <algorithm>
 
+#include "verifier/locate/locate_contents.h"
+
 namespace ticktrue::verifier {
 namespace {
 
@@ -31,8 +33,7 @@ Status locate_lanes(const StateSchema& schema, ByteView expected, ByteView got, 
   const Result<std::vector<ImageTable>> got_tables = split_image(schema, got);
   if (!got_tables) return got_tables.error();
 
-  const std::vector<LaneDifference> lanes = diff_images(schema, *expected_tables, *got_tables, lane_count_max);
-  divergence.lane_count = lanes.size();
+  std::vector<LaneDifference> lanes = diff_images(schema, *expected_tables, *got_tables, lane_count_max);
   divergence.tables.clear();
   divergence.rows.clear();
   for (std::size_t t = 0; t < schema.tables.size(); ++t) {
@@ -43,10 +44,14 @@ Status locate_lanes(const StateSchema& schema, ByteView expected, ByteView got, 
     if (!any) continue;
     TableDifference difference;
     difference.table = schema.tables[t].name;
+    difference.is_content = has_pieces(schema.tables[t]);
     for (std::size_t c = 0; c < differs.size(); ++c)
       if (differs[c]) difference.columns.push_back(schema.tables[t].columns[c].name);
     divergence.tables.push_back(std::move(difference));
   }
+  std::erase_if(lanes, [&](const LaneDifference& lane) { return has_pieces(schema.tables[lane.place.table]); });
+  divergence.lane_count = lanes.size();
+  locate_contents(schema, *expected_tables, *got_tables, row_name, row_count_max, divergence);
   for (std::size_t i = 0; i < std::min(lanes.size(), row_count_max); ++i) {
     const LaneDifference& lane = lanes[i];
     const TableSchema& table = schema.tables[lane.place.table];
@@ -61,6 +66,7 @@ Status locate_lanes(const StateSchema& schema, ByteView expected, ByteView got, 
     row.type = column.type;
     row.expected = lane.expected;
     row.got = lane.got;
+    row.place = child_place(schema, lane.expected ? *expected_tables : *got_tables, lane.place.table, lane.place.row);
     if (row_name && lane.got) {
       // Names are those of the state here, where a row may stand elsewhere than in the recorded one.
       std::size_t here = lane.place.row;

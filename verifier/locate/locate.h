@@ -13,8 +13,8 @@
 
 namespace ticktrue::verifier {
 
-/// Fills tables, rows and lane_count of `divergence` from two images of one schema. At most `row_count_max` lanes are
-/// listed, all are counted (up to a million). `row_name` may be empty.
+/// Fills tables, rows, contents and their counts of `divergence` from two images of one schema. At most `row_count_max`
+/// lanes, and as many texts, are listed, all are counted (lanes up to a million). `row_name` may be empty.
 /// Errors: corrupt, if an image does not fit the schema.
 Status locate_lanes(const StateSchema& schema, ByteView expected, ByteView got, const RowNamer& row_name,
                     std::size_t row_count_max, Divergence& divergence);

@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "replay/format/payload.h"
+#include "verifier/locate/locate_contents.h"
 
 namespace ticktrue::verifier {
 namespace {
@@ -151,6 +152,7 @@ void locate_cells(const StateSchema& schema, const StateCells& expected, const S
     const TableSchema& table = schema.tables[t];
     TableDifference difference;
     difference.table = table.name;
+    difference.is_content = has_pieces(table);
     for (std::size_t c = 0; c < table.columns.size(); ++c)
       if (expected.columns[first_column + c] != got.columns[first_column + c])
         difference.columns.push_back(table.columns[c].name);
@@ -176,6 +178,12 @@ void locate_cells(const StateSchema& schema, const StateCells& expected, const S
   list_candidates(schema, finding, *rows, row_name, before, divergence.candidates);
   divergence.candidate_count = divergence.candidates.size();
   divergence.candidates.resize(std::min(divergence.candidates.size(), row_count_max));
+  if (!has_children(schema)) return;
+  Bytes buffer;
+  const std::vector<ImageTable> tables = canonical_tables(*rows, buffer);
+  for (Candidate& candidate : divergence.candidates)
+    if (const auto t = schema.find_table(candidate.table); t && candidate.row < tables[*t].row_count)
+      candidate.place = child_place(schema, tables, *t, static_cast<std::size_t>(candidate.row));
 }
 
 namespace {

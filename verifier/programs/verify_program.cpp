@@ -73,6 +73,8 @@ class ProgramVerification {
       text += " at tick " + std::to_string(report.divergence->tick);
       if (!report.divergence->rows.empty())
         text += " in " + report.divergence->rows[0].table + "." + report.divergence->rows[0].column;
+      else if (!report.divergence->contents.empty())
+        text += " in " + report.divergence->contents[0].place;
       else if (!report.divergence->tables.empty())
         text += " in " + report.divergence->tables[0].table;
       return text + " (hash " + hex64(report.divergence->got_root) + ")";

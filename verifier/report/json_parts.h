@@ -29,6 +29,7 @@ nlohmann::ordered_json value_json(ScalarType type, std::uint64_t bits);
 /// What a report has as a value, as text: of version 1 or 2. Empty: no value.
 std::string value_text(const nlohmann::json& value);
 nlohmann::ordered_json lane_json(const LaneReport& row);
+nlohmann::ordered_json content_json(const ContentReport& content);
 nlohmann::ordered_json compared_json(const ComparedParts& compared);
 nlohmann::ordered_json divergence_json(const Divergence& divergence);
 nlohmann::ordered_json non_finite_json(const NonFinite& found);

@@ -68,11 +68,31 @@ struct LaneReport {
   ScalarType type = ScalarType::u32;
   std::optional<std::uint64_t> expected;  // bits; absent: the recorded state has no such row
   std::optional<std::uint64_t> got;       // bits; absent: the state here has no such row
+  std::string place =
+      {};  // of an element of a list: "units[3].inventory[2]", in the state that has the row; else empty
+};
+
+/// A text or a string of bytes that differs: its pieces put together.
+struct ContentReport {
+  std::string place;                // "units[3].inventory[2].label"
+  std::string table;                // of the pieces
+  std::uint64_t row = 0;            // of the table at the begin of `place`
+  std::optional<std::uint64_t> id;  // of that row, where its table has ids
+  std::string name;                 // of that row, where it has one
+  bool is_text = false;
+  std::optional<std::string> expected;  // the bytes around the first that differs; absent: no such row
+  std::optional<std::string> got;
+  std::uint64_t first = 0;          // place of the first of these bytes in the whole
+  std::uint64_t expected_size = 0;  // bytes of the whole
+  std::uint64_t got_size = 0;
+  std::uint64_t offset = 0;                // of the first byte that differs
+  std::optional<std::uint64_t> character;  // the same in characters; absent: the text is no UTF-8
 };
 
 struct TableDifference {
   std::string table;
   std::vector<std::string> columns;  // that differ, in schema order
+  bool is_content = false;           // pieces of texts or of strings of bytes: the columns say nothing to people
 };
 
 /// A row that can have diverged, according to the cells.
@@ -81,6 +101,7 @@ struct Candidate {
   std::uint64_t row = 0;
   std::optional<std::uint64_t> id;
   std::string name;
+  std::string place = {};  // of a row of a child table: "units[3].name"
 };
 
 /// A table of which the two states have another number of rows.
@@ -110,7 +131,9 @@ struct Divergence {
   std::string stage_note;               // what is known of the stage, for people
   std::vector<TableDifference> tables;  // empty: the trace stores only the hash of this tick
   std::vector<LaneReport> rows;         // the first lanes that differ, in table, row, column, lane order
-  std::uint64_t lane_count = 0;         // all lanes that differ; rows may list fewer
+  std::uint64_t lane_count = 0;         // all lanes that differ, but those of contents; rows may list fewer
+  std::vector<ContentReport> contents;  // the first texts and strings of bytes that differ
+  std::uint64_t content_count = 0;      // all of them
   bool from_cells = false;              // the trace has cells of this tick: columns are exact, rows are candidates
   std::vector<RowCountDifference> row_counts;
   std::vector<Candidate> candidates;    // the first of them
@@ -122,6 +145,9 @@ struct Divergence {
   std::uint64_t expected_root = 0;
   std::uint64_t got_root = 0;
   std::string inputs;  // of the tick, JSON Lines
+
+  /// Whether it lists what differs, and not only where.
+  bool has_values() const { return !rows.empty() || !contents.empty(); }
 };
 
 /// Ticks of which each stored part was compared.

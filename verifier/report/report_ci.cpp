@@ -9,6 +9,7 @@
 
 #include "base/build_info.h"
 #include "base/plain_text.h"
+#include "verifier/report/content_text.h"
 
 namespace ticktrue::verifier {
 namespace {
@@ -105,8 +106,13 @@ std::string report_sentence(const Report& report) {
     if (row.expected && row.got)
       text += ": expected " + lane_hex(row.type, *row.expected) + ", got " + lane_hex(row.type, *row.got);
     if (divergence.lane_count > 1) text += ", and " + std::to_string(divergence.lane_count - 1) + " more lanes";
+  } else if (!divergence.contents.empty()) {
+    const ContentReport& content = divergence.contents.front();
+    text += ": " + content_place(content) + ": " + content_values(content, "expected", "got");
+    if (divergence.content_count > 1) text += ", and " + std::to_string(divergence.content_count - 1) + " more texts";
   } else if (!divergence.tables.empty()) {
     text += ": " + divergence.tables.front().table;
+    if (divergence.tables.front().is_content) return text;
     for (const std::string& column : divergence.tables.front().columns)
       text += (column == divergence.tables.front().columns.front() ? "." : ", ") + column;
   }

@@ -8,6 +8,7 @@
 #include "base/build_info.h"
 #include "base/hash.h"
 #include "base/plain_text.h"
+#include "verifier/report/content_text.h"
 #include "verifier/report/json_parts.h"
 #include "verifier/report/report.h"
 
@@ -78,17 +79,39 @@ Json lane_json(const LaneReport& row) {
   };
   std::optional<std::uint64_t> ulp;
   if (row.expected && row.got) ulp = ulp_distance(row.type, *row.expected, *row.got);
-  return {{"row", row.row},
-          {"id", row.id ? Json(*row.id) : Json(nullptr)},
-          {"name", row.name},
-          {"table", row.table},
-          {"column", row.column},
-          {"lane", row.lane},
-          {"expected", bits(row.expected)},
-          {"got", bits(row.got)},
-          {"expected_value", number(row.expected)},
-          {"got_value", number(row.got)},
-          {"ulp", ulp ? Json(*ulp) : Json(nullptr)}};
+  Json object = {{"row", row.row},
+                 {"id", row.id ? Json(*row.id) : Json(nullptr)},
+                 {"name", row.name},
+                 {"table", row.table},
+                 {"column", row.column},
+                 {"lane", row.lane},
+                 {"expected", bits(row.expected)},
+                 {"got", bits(row.got)},
+                 {"expected_value", number(row.expected)},
+                 {"got_value", number(row.got)},
+                 {"ulp", ulp ? Json(*ulp) : Json(nullptr)}};
+  if (!row.place.empty()) object["place"] = row.place;
+  return object;
+}
+
+Json content_json(const ContentReport& content) {
+  const auto bytes = [&](const std::optional<std::string>& value) {
+    if (!value) return Json(nullptr);
+    return content.is_text ? Json(*value) : Json(hex_text(*value));
+  };
+  return {{"place", content.place},
+          {"table", content.table},
+          {"row", content.row},
+          {"id", content.id ? Json(*content.id) : Json(nullptr)},
+          {"name", content.name},
+          {"kind", content.is_text ? "text" : "bytes"},
+          {"expected", bytes(content.expected)},
+          {"got", bytes(content.got)},
+          {"first", content.first},
+          {"expected_size", content.expected_size},
+          {"got_size", content.got_size},
+          {"byte", content.offset},
+          {"character", content.character ? Json(*content.character) : Json(nullptr)}};
 }
 
 namespace {
@@ -109,6 +132,8 @@ Json cells_json(const Divergence& divergence) {
                           {"row", candidate.row},
                           {"id", candidate.id ? Json(*candidate.id) : Json(nullptr)},
                           {"name", candidate.name}});
+  for (std::size_t i = 0; i < divergence.candidates.size(); ++i)
+    if (!divergence.candidates[i].place.empty()) candidates[i]["place"] = divergence.candidates[i].place;
   object["candidates"] = std::move(candidates);
   return object;
 }
@@ -124,13 +149,21 @@ Json divergence_json(const Divergence& divergence) {
                  {"table", first != nullptr ? Json(first->table) : Json(nullptr)},
                  {"columns", first != nullptr ? Json(first->columns) : Json::array()}};
   Json tables = Json::array();
-  for (const TableDifference& table : divergence.tables)
+  for (const TableDifference& table : divergence.tables) {
     tables.push_back({{"table", table.table}, {"columns", table.columns}});
+    if (table.is_content) tables.back()["content"] = true;
+  }
   object["tables"] = std::move(tables);
   Json rows = Json::array();
   for (const LaneReport& row : divergence.rows) rows.push_back(lane_json(row));
   object["rows"] = std::move(rows);
   object["lane_count"] = divergence.lane_count;
+  if (divergence.content_count > 0) {
+    Json contents = Json::array();
+    for (const ContentReport& content : divergence.contents) contents.push_back(content_json(content));
+    object["contents"] = std::move(contents);
+    object["content_count"] = divergence.content_count;
+  }
   object["cells"] = divergence.from_cells ? cells_json(divergence) : Json(nullptr);
   Json spread = Json::array();
   for (const Spread& at : divergence.spread)

@@ -7,6 +7,7 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
+#include "verifier/report/content_text.h"
 #include "verifier/report/json_parts.h"
 
 namespace ticktrue::verifier {
@@ -15,6 +16,7 @@ namespace {
 using nlohmann::json;
 
 constexpr std::size_t list_size_max = 4096;
+constexpr std::size_t content_text_max = 4096;  // bytes
 
 const json* member(const json& object, const char* key) {
   if (!object.is_object()) return nullptr;
@@ -87,7 +89,35 @@ void read_lane(const json& object, const StateSchema& schema, Divergence& diverg
   row.type = column->type;
   row.expected = hexadecimal(object, "expected");
   row.got = hexadecimal(object, "got");
+  take(object, "place", row.place);
   divergence.rows.push_back(std::move(row));
+}
+
+void read_content(const json& object, Divergence& divergence) {
+  ContentReport content;
+  std::string kind;
+  take(object, "place", content.place);
+  take(object, "table", content.table);
+  take(object, "row", content.row);
+  take(object, "id", content.id);
+  take(object, "name", content.name);
+  take(object, "kind", kind);
+  content.is_text = kind == "text";
+  const auto take_bytes = [&](const char* key, std::optional<std::string>& bytes) {
+    const json* found = member(object, key);
+    if (found == nullptr || !found->is_string()) return;
+    const auto& text = found->get_ref<const std::string&>();
+    if (text.size() > content_text_max) return;
+    bytes = content.is_text ? std::optional(text) : bytes_of_hex(text);
+  };
+  take_bytes("expected", content.expected);
+  take_bytes("got", content.got);
+  take(object, "first", content.first);
+  take(object, "expected_size", content.expected_size);
+  take(object, "got_size", content.got_size);
+  take(object, "byte", content.offset);
+  take(object, "character", content.character);
+  divergence.contents.push_back(std::move(content));
 }
 
 void read_cells(const json& cells, Divergence& divergence) {
@@ -111,6 +141,7 @@ void read_cells(const json& cells, Divergence& divergence) {
     take(row, "row", candidate.row);
     take(row, "id", candidate.id);
     take(row, "name", candidate.name);
+    take(row, "place", candidate.place);
   });
 }
 
@@ -126,9 +157,13 @@ Divergence read_divergence(const json& object, const StateSchema& schema) {
     TableDifference& difference = divergence.tables.emplace_back();
     take(table, "table", difference.table);
     difference.columns = texts(table, "columns");
+    if (const json* content = member(table, "content"); content != nullptr && content->is_boolean())
+      difference.is_content = content->get<bool>();
   });
   each(object, "rows", [&](const json& row) { read_lane(row, schema, divergence); });
   take(object, "lane_count", divergence.lane_count);
+  each(object, "contents", [&](const json& content) { read_content(content, divergence); });
+  take(object, "content_count", divergence.content_count);
   if (const json* cells = member(object, "cells"); cells != nullptr && cells->is_object())
     read_cells(*cells, divergence);
   divergence.expected_root = hexadecimal(object, "expected_hash").value_or(0);

@@ -9,11 +9,131 @@
 #include "base/count_text.h"
 #include "base/hash.h"
 #include "base/plain_text.h"
+#include "verifier/report/content_text.h"
 #include "verifier/report/fact_differences.h"
 #include "verifier/report/likely_causes.h"
 #include "verifier/report/report.h"
 
 namespace ticktrue::verifier {
+namespace {
+
+constexpr char hex_digits[] = "0123456789abcdef";
+constexpr std::size_t hex_bytes_max = 16;
+
+/// One side. `is_whole`: nothing of it is left out.
+std::string side_text(const ContentReport& content, const std::optional<std::string>& bytes, std::uint64_t size) {
+  if (!bytes) return "no such row";
+  if (size == 0) return content.is_text ? "\"\"" : "nothing";
+  if (!content.is_text) {
+    if (content.offset >= size) return "ends before it";
+    const std::size_t skipped = static_cast<std::size_t>(
+        std::min<std::uint64_t>(content.offset - std::min(content.first, content.offset), bytes->size()));
+    const std::string_view behind = std::string_view(*bytes).substr(skipped);
+    return hex_bytes(behind) + (content.offset + std::min(behind.size(), hex_bytes_max) < size ? " ..." : "");
+  }
+  return (content.first > 0 ? "..." : "") + quoted(*bytes) + (content.first + bytes->size() < size ? "..." : "");
+}
+
+}  // namespace
+
+std::size_t utf8_size(std::string_view text) {
+  if (text.empty()) return 0;
+  const auto byte = [&](std::size_t i) { return static_cast<unsigned char>(text[i]); };
+  const unsigned char lead = byte(0);
+  if (lead < 0x80) return 1;
+  const std::size_t size = lead >= 0xc2 && lead < 0xe0   ? 2
+                           : lead >= 0xe0 && lead < 0xf0 ? 3
+                           : lead >= 0xf0 && lead < 0xf5 ? 4
+                                                         : 0;
+  if (size == 0 || size > text.size()) return 0;
+  for (std::size_t i = 1; i < size; ++i)
+    if ((byte(i) & 0xc0) != 0x80) return 0;
+  // Encodings that are too long, surrogates, and what is beyond U+10FFFF.
+  if ((lead == 0xe0 && byte(1) < 0xa0) || (lead == 0xed && byte(1) > 0x9f) || (lead == 0xf0 && byte(1) < 0x90) ||
+      (lead == 0xf4 && byte(1) > 0x8f))
+    return 0;
+  return size;
+}
+
+std::string quoted(std::string_view text) {
+  std::string out = "\"";
+  while (!text.empty()) {
+    const std::size_t size = utf8_size(text);
+    const auto byte = static_cast<unsigned char>(text[0]);
+    if (byte == '"' || byte == '\\') {
+      out += '\\';
+      out += text[0];
+    } else if (byte == '\n') {
+      out += "\\n";
+    } else if (byte == '\t') {
+      out += "\\t";
+    } else if (size == 0 || byte < 0x20 || byte == 0x7f) {
+      out += "\\x";
+      out += hex_digits[byte >> 4];
+      out += hex_digits[byte & 15];
+    } else {
+      out += text.substr(0, size);
+    }
+    text.remove_prefix(std::max<std::size_t>(size, 1));
+  }
+  return out + "\"";
+}
+
+std::string hex_bytes(std::string_view bytes) {
+  std::string text;
+  for (const char c : bytes.substr(0, hex_bytes_max)) {
+    const auto byte = static_cast<unsigned char>(c);
+    if (!text.empty()) text += ' ';
+    text += hex_digits[byte >> 4];
+    text += hex_digits[byte & 15];
+  }
+  return text;
+}
+
+std::string hex_text(std::string_view bytes) {
+  std::string text;
+  for (const char c : bytes) {
+    text += hex_digits[static_cast<unsigned char>(c) >> 4];
+    text += hex_digits[static_cast<unsigned char>(c) & 15];
+  }
+  return text;
+}
+
+std::optional<std::string> bytes_of_hex(std::string_view text) {
+  const auto digit = [](char c) { return std::string_view(hex_digits).find(c); };
+  if (text.size() % 2 != 0) return std::nullopt;
+  std::string bytes;
+  for (std::size_t i = 0; i < text.size(); i += 2) {
+    if (digit(text[i]) > 15 || digit(text[i + 1]) > 15) return std::nullopt;
+    bytes += static_cast<char>(digit(text[i]) << 4 | digit(text[i + 1]));
+  }
+  return bytes;
+}
+
+std::string content_place(const ContentReport& content) {
+  std::string text = content.place;
+  if (!content.id && content.name.empty()) return text;
+  text += "  (";
+  if (content.id) text += "id " + std::to_string(*content.id);
+  if (content.id && !content.name.empty()) text += ", ";
+  if (!content.name.empty()) text += "name \"" + content.name + "\"";
+  return text + ")";
+}
+
+std::string content_values(const ContentReport& content, const std::string& expected_name,
+                           const std::string& got_name) {
+  std::string text = expected_name + " " + side_text(content, content.expected, content.expected_size) + ".  " +
+                     got_name + " " + side_text(content, content.got, content.got_size) + ".";
+  if (!content.expected || !content.got) return text;
+  text += content.character ? "  differs at character " + std::to_string(*content.character)
+                            : "  differs at byte " + std::to_string(content.offset);
+  if (content.expected_size != content.got_size)
+    text += "; " + std::to_string(content.expected_size) + " and " + std::to_string(content.got_size) + " bytes";
+  else if (!content.is_text)
+    text += " of " + std::to_string(content.expected_size);
+  return text;
+}
+
 namespace {
 
 constexpr std::size_t rows_shown_max = 8;
@@ -62,11 +182,12 @@ std::string headline(const Report& report) {
 }
 
 std::string lane_name(const LaneReport& row) {
-  std::string text = "row " + std::to_string(row.row);
-  if (row.id || !row.name.empty()) {
+  std::string text = row.place.empty() ? "row " + std::to_string(row.row) : row.place;
+  const bool has_id = row.id && row.place.empty();  // that of an element is its owner, which the place has
+  if (has_id || !row.name.empty()) {
     text += " (";
-    if (row.id) text += "id " + std::to_string(*row.id);
-    if (row.id && !row.name.empty()) text += ", ";
+    if (has_id) text += "id " + std::to_string(*row.id);
+    if (has_id && !row.name.empty()) text += ", ";
     if (!row.name.empty()) text += "name \"" + row.name + "\"";
     text += ")";
   }
@@ -87,11 +208,13 @@ std::string values(const LaneReport& row, const std::string& expected_name, cons
 }
 
 std::string candidate_name(const Candidate& candidate) {
-  std::string text = candidate.table + " row " + std::to_string(candidate.row);
-  if (!candidate.id && candidate.name.empty()) return text;
+  std::string text =
+      candidate.place.empty() ? candidate.table + " row " + std::to_string(candidate.row) : candidate.place;
+  const bool has_id = candidate.id && candidate.place.empty();
+  if (!has_id && candidate.name.empty()) return text;
   text += " (";
-  if (candidate.id) text += "id " + std::to_string(*candidate.id);
-  if (candidate.id && !candidate.name.empty()) text += ", ";
+  if (has_id) text += "id " + std::to_string(*candidate.id);
+  if (has_id && !candidate.name.empty()) text += ", ";
   if (!candidate.name.empty()) text += "name \"" + candidate.name + "\"";
   return text + ")";
 }
@@ -157,18 +280,28 @@ void add_divergence(const Divergence& divergence, const std::string& expected_na
     std::string columns;
     for (const std::string& column : table.columns)
       columns += (columns.empty() ? "" : ", ") + table.table + "." + column;
-    // One column and one lane: the line below says all of it.
-    if (divergence.lane_count != 1) lines.add("columns", columns);
+    if (table.is_content) columns = table.table;
+    // One column and one lane, or one text: the line below says all of it.
+    if (divergence.lane_count + divergence.content_count != 1) lines.add("columns", columns);
   }
   for (std::size_t i = 0; i < divergence.rows.size() && i < rows_shown_max; ++i) {
     const LaneReport& row = divergence.rows[i];
     lines.add("column", padded(row.table + "." + row.column) + lane_name(row));
     lines.add("value", values(row, expected_name, got_name));
   }
+  for (std::size_t i = 0; i < divergence.contents.size() && i < rows_shown_max; ++i) {
+    const ContentReport& content = divergence.contents[i];
+    lines.add(content.is_text ? "text" : "bytes", content_place(content));
+    lines.add("value", content_values(content, expected_name, got_name));
+  }
   add_candidates(divergence, expected_name, got_name, lines);
   const std::size_t shown = std::min(divergence.rows.size(), rows_shown_max);
   if (divergence.lane_count > shown)
     lines.add("", "and " + count_text(divergence.lane_count - shown, "more lane") + " (--json lists the first)");
+  const std::size_t contents_shown = std::min(divergence.contents.size(), rows_shown_max);
+  if (divergence.content_count > contents_shown)
+    lines.add(
+        "", "and " + count_text(divergence.content_count - contents_shown, "more text") + " (--json lists the first)");
   if (divergence.expected_root != divergence.got_root)
     lines.add("hash", expected_name + " " + hex64(divergence.expected_root) + ".  " + got_name + " " +
                           hex64(divergence.got_root));

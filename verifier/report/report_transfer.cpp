@@ -40,15 +40,20 @@ class Reader {
 
 template <typename Io>
 void fields(Io& io, LaneReport& x) {
-  io(x.table, x.column, x.row, x.id, x.name, x.lane, x.lane_count, x.type, x.expected, x.got);
+  io(x.table, x.column, x.row, x.id, x.name, x.lane, x.lane_count, x.type, x.expected, x.got, x.place);
+}
+template <typename Io>
+void fields(Io& io, ContentReport& x) {
+  io(x.place, x.table, x.row, x.id, x.name, x.is_text, x.expected, x.got, x.first, x.expected_size, x.got_size,
+     x.offset, x.character);
 }
 template <typename Io>
 void fields(Io& io, TableDifference& x) {
-  io(x.table, x.columns);
+  io(x.table, x.columns, x.is_content);
 }
 template <typename Io>
 void fields(Io& io, Candidate& x) {
-  io(x.table, x.row, x.id, x.name);
+  io(x.table, x.row, x.id, x.name, x.place);
 }
 template <typename Io>
 void fields(Io& io, RowCountDifference& x) {
@@ -61,7 +66,8 @@ void fields(Io& io, Spread& x) {
 template <typename Io>
 void fields(Io& io, Divergence& x) {
   io(x.tick, x.time_s, x.stage, x.stage_note, x.tables, x.rows, x.lane_count, x.from_cells, x.row_counts, x.candidates,
-     x.candidate_count, x.owner_count, x.healed, x.unexplained_cells, x.spread, x.expected_root, x.got_root, x.inputs);
+     x.candidate_count, x.owner_count, x.healed, x.unexplained_cells, x.spread, x.expected_root, x.got_root, x.inputs,
+     x.contents, x.content_count);
 }
 template <typename Io>
 void fields(Io& io, ComparedParts& x) {

@@ -11,6 +11,7 @@
 #include <set>
 #include <string>
 
+#include "base/state/gathered_state.h"
 #include "base/state/stage_hashes.h"
 #include "engine/builtin_scenes/builtin_scenes.h"
 #include "engine/scene/scene_binary.h"
@@ -200,6 +201,54 @@ void seed_third_trace(replay::Detail detail, std::uint64_t first_tick) {
   seed("trace_forged", trace);
 }
 
+/// Format version 3 with child tables: texts of each row, a list of each row, and a text of each element.
+void seed_child_trace(replay::Detail detail) {
+  constexpr std::uint64_t tick_count = 6;
+  using Words = std::vector<std::string>;
+  const std::vector<std::uint32_t> ids{3, 8};
+  std::vector<Words> lists{{"axe", "a rope of twenty metres"}, {}};
+  const ElementReader word_count = [](void* user, const void*, std::uint32_t row, std::size_t* count) -> const void* {
+    const Words& words = (*static_cast<std::vector<Words>*>(user))[row];
+    *count = words.size();
+    return words.data();
+  };
+  const ElementReader word = [](void*, const void* owner, std::uint32_t, std::size_t* count) -> const void* {
+    *count = static_cast<const std::string*>(owner)->size();
+    return static_cast<const std::string*>(owner)->data();
+  };
+  GatheredState state;
+  bool is_written =
+      static_cast<bool>(state.column("units", "id", {ids.data(), ScalarType::u32, 1, 2})) && state.key("units", 1) &&
+      state.child("words", "units", {TableForm::rows, word_count, &lists, sizeof(std::string)}, {}) &&
+      state.child("words.text", "words", {TableForm::text, word, nullptr, 1}, {}) &&
+      state.child("words.bytes", "words", {TableForm::bytes, word, nullptr, 1}, {}) && state.freeze() && state.gather();
+  fuzz::require(is_written, "a state with texts can be gathered");
+  replay::TraceSetup setup = toy_setup(detail);
+  setup.schema = state.schema();
+  if (detail == replay::Detail::full) setup.full_last = tick_count;
+  setup.checkpoint_interval = 3;
+  replay::WriterOptions options;
+  options.compress = false;
+  options.sync = false;
+  options.allow_third = true;
+  const fs::path path = out_folder / "children.ttr";
+  auto writer = replay::TraceWriter::create(path.string(), setup, {{"compiler", "x"}}, options);
+  fuzz::require(writer.has_value(), "a trace with child tables can be written");
+  for (std::uint64_t tick = 0; tick < tick_count; ++tick) {
+    if (writer->wants_checkpoint())
+      is_written = is_written && writer->checkpoint(state.view(), root_hash(state.view()));
+    is_written = is_written && writer->begin_tick({setup.dt, {}});
+    lists[tick % 2].push_back("tick " + std::to_string(tick));
+    if (tick == 3) lists[0].clear();
+    is_written = is_written && state.gather() && writer->end_tick(root_hash(state.view()), {}, &state.view());
+  }
+  fuzz::require(is_written && writer->finish(replay::EndReason::complete, ""), "and is");
+  const Bytes trace = read_file(path);
+  fs::remove(path);
+  seed("trace", trace);
+  seed("trace_forged", trace);
+}
+
 /// A box as box_fuzz.cpp takes it: without the space between its parts.
 Bytes packed_box(const Bytes& file) {
   const auto layout = replay::decode_box_header(ByteView(file).first(replay::box_header_size), "seed");
@@ -273,6 +322,7 @@ void seed_boxes() {
 void seed_traces() {
   for (const replay::Detail detail : {replay::Detail::root, replay::Detail::cells, replay::Detail::full})
     for (const std::uint64_t first_tick : {0, 7}) seed_third_trace(detail, first_tick);
+  for (const replay::Detail detail : {replay::Detail::cells, replay::Detail::full}) seed_child_trace(detail);
   for (const bool is_full : {false, true})
     for (const bool compress : {false, true}) seed_toy_trace(compress ? 20 : 2, is_full, compress, 9);
   seed_toy_trace(1, false, false, 1);
@@ -361,6 +411,7 @@ void seed_verdicts() {
       report.divergence->rows.resize(2);
       for (verifier::LaneReport& row : report.divergence->rows) row.type = ScalarType::f32;
       report.divergence->candidates.resize(1);
+      report.divergence->contents.resize(1);
       report.divergence->spread.resize(1);
       report.non_finite.emplace();
       report.end.emplace();

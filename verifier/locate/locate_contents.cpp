@@ -1,0 +1,285 @@
+// Puts pieces together, owner by owner, in the order of both states.
+// SPDX-License-Identifier: MIT
+#include "verifier/locate/locate_contents.h"
+
+#include <algorithm>
+#include <cstring>
+#include <optional>
+#include <utility>
+#include <vector>
+
+#include "verifier/report/content_text.h"
+
+namespace ticktrue::verifier {
+namespace {
+
+constexpr std::size_t size_offset = 8;
+constexpr std::size_t bytes_offset = 12;
+constexpr std::size_t nesting_max = 64;  // of children; deeper ones are told by the table alone
+
+/// Tables of one side.
+struct Side {
+  const StateSchema& schema;
+  std::span<const ImageTable> tables;
+};
+
+/// What identifies a row over both states: id or number of the row at the top, then indices.
+using Path = std::vector<std::uint64_t>;
+
+std::optional<Path> path_of(const Side& side, std::size_t t, std::size_t row, std::size_t depth);
+
+/// Of the row of the parent that owns the rows of the child with this owner.
+std::optional<Path> owner_path(const Side& side, std::size_t child, std::uint32_t owner, std::size_t depth) {
+  const auto parent = static_cast<std::size_t>(side.schema.tables[child].parent);
+  if (side.schema.tables[parent].form == TableForm::plain) return Path{owner};
+  const std::optional<std::size_t> row = find_owner(side.schema, side.tables, child, owner);
+  return row ? path_of(side, parent, *row, depth + 1) : std::nullopt;
+}
+
+/// Requires: a child.
+std::optional<Path> path_of(const Side& side, std::size_t t, std::size_t row, std::size_t depth) {
+  if (depth > nesting_max) return std::nullopt;
+  const ChildKey key = child_key(side.schema.tables[t], side.tables[t], row);
+  std::optional<Path> path = owner_path(side, t, key.owner, depth);
+  if (path) path->push_back(key.index);
+  return path;
+}
+
+/// The row of the child with this owner and index.
+std::optional<std::size_t> find_element(const Side& side, std::size_t t, std::uint32_t owner, std::uint64_t index) {
+  const TableSchema& table = side.schema.tables[t];
+  std::size_t low = 0, high = side.tables[t].row_count;
+  while (low < high) {
+    const std::size_t middle = low + (high - low) / 2;
+    const ChildKey key = child_key(table, side.tables[t], middle);
+    if (std::pair<std::uint64_t, std::uint64_t>(key.owner, key.index) <
+        std::pair<std::uint64_t, std::uint64_t>(owner, index))
+      low = middle + 1;
+    else
+      high = middle;
+  }
+  if (low == side.tables[t].row_count) return std::nullopt;
+  const ChildKey key = child_key(table, side.tables[t], low);
+  return key.owner == owner && key.index == index ? std::optional(low) : std::nullopt;
+}
+
+/// Whether the side has the row of the parent with this path.
+bool has_row(const Side& side, std::size_t child, std::span<const std::uint64_t> path) {
+  // From the child up: its parents, the one at the top last.
+  std::vector<std::size_t> parents;
+  for (std::size_t t = child; side.schema.tables[t].form != TableForm::plain && parents.size() <= nesting_max;) {
+    t = static_cast<std::size_t>(side.schema.tables[t].parent);
+    parents.push_back(t);
+  }
+  if (parents.size() != path.size()) return true;
+  auto owner = static_cast<std::uint32_t>(path[0]);
+  for (std::size_t level = 0; level + 1 < path.size(); ++level) {
+    const std::size_t t = parents[parents.size() - 2 - level];
+    if (!find_owner(side.schema, side.tables, t, owner)) return false;
+    const std::optional<std::size_t> row = find_element(side, t, owner, path[level + 1]);
+    if (!row) return false;
+    owner = static_cast<std::uint32_t>(*row);
+  }
+  return find_owner(side.schema, side.tables, child, owner).has_value();
+}
+
+/// The pieces of one owner.
+struct Pieces {
+  const TableSchema* table = nullptr;
+  const std::uint8_t* rows = nullptr;
+  std::size_t count = 0;
+  std::uint32_t owner = 0;
+
+  std::size_t room() const { return piece_size(*table); }
+  std::uint64_t size() const {
+    if (count == 0) return 0;
+    const std::uint8_t* last = rows + (count - 1) * table->row_size;
+    std::uint32_t used = 0;
+    for (int i = 0; i < 4; ++i)
+      used |= static_cast<std::uint32_t>(last[size_offset + static_cast<std::size_t>(i)]) << (8 * i);
+    return static_cast<std::uint64_t>(count - 1) * room() + std::min<std::uint64_t>(used, room());
+  }
+  const std::uint8_t* piece(std::size_t i) const { return rows + i * table->row_size + bytes_offset; }
+  std::uint8_t at(std::uint64_t offset) const {
+    return piece(static_cast<std::size_t>(offset / room()))[offset % room()];
+  }
+  std::string part(std::uint64_t first, std::uint64_t behind) const {
+    std::string text;
+    for (std::uint64_t i = first; i < behind; ++i) text += static_cast<char>(at(i));
+    return text;
+  }
+};
+
+/// The pieces of the owner whose first one is `row`. Requires: such a row.
+Pieces pieces_at(const Side& side, std::size_t t, std::size_t row) {
+  const TableSchema& table = side.schema.tables[t];
+  Pieces pieces{&table, side.tables[t].rows.data() + row * table.row_size, 0,
+                child_key(table, side.tables[t], row).owner};
+  while (row + pieces.count < side.tables[t].row_count &&
+         child_key(table, side.tables[t], row + pieces.count).owner == pieces.owner)
+    ++pieces.count;
+  return pieces;
+}
+
+/// The first byte that differs; nothing: none does.
+std::optional<std::uint64_t> first_difference(const Pieces& a, const Pieces& b) {
+  const std::uint64_t a_size = a.size(), b_size = b.size();
+  const std::uint64_t both = std::min(a_size, b_size);
+  std::uint64_t offset = 0;
+  for (std::size_t i = 0; i < std::min(a.count, b.count); ++i, offset += a.room())
+    if (std::memcmp(a.piece(i), b.piece(i), a.room()) != 0) break;
+  offset = std::min(offset, both);
+  while (offset < both && a.at(offset) == b.at(offset)) ++offset;
+  if (offset == both && a_size == b_size) return std::nullopt;
+  return offset;
+}
+
+/// The characters before the one that the offset is in; nothing: a byte before it is no UTF-8. The bytes before it are
+/// the same on both sides.
+std::optional<std::uint64_t> character_at(const Pieces& pieces, std::uint64_t offset) {
+  std::uint64_t count = 0, at = 0;
+  const std::uint64_t size = pieces.size();
+  while (at < offset) {
+    const std::size_t bytes = utf8_size(pieces.part(at, std::min<std::uint64_t>(at + 4, size)));
+    if (bytes == 0) return std::nullopt;
+    if (at + bytes > offset) break;
+    at += bytes;
+    ++count;
+  }
+  return count;
+}
+
+/// A byte of a character that does not begin there.
+bool is_inner(std::uint8_t byte) {
+  return (byte & 0xc0) == 0x80;
+}
+
+/// The bytes around the difference, without half characters at their ends.
+std::string window(const Pieces& pieces, std::uint64_t first, std::uint64_t offset, bool is_text) {
+  const std::uint64_t size = pieces.size();
+  std::uint64_t behind = std::min(size, offset + content_behind_max);
+  if (is_text && behind < size)
+    for (int i = 0; i < 3 && behind > offset && is_inner(pieces.at(behind)); ++i) --behind;
+  return first < behind ? pieces.part(first, behind) : std::string();
+}
+
+/// Requires: pieces of one side at least that has a byte.
+ContentReport content_of(const Pieces& a, const Pieces& b, std::uint64_t offset, bool is_text) {
+  ContentReport content;
+  content.is_text = is_text;
+  content.offset = offset;
+  content.expected_size = a.size();
+  content.got_size = b.size();
+  const Pieces& longer = content.expected_size >= content.got_size ? a : b;
+  if (is_text) content.character = character_at(longer, offset);
+  content.first = offset > content_before_max ? offset - content_before_max : 0;
+  if (is_text && content.first > 0)
+    for (int i = 0; i < 3 && content.first < offset && is_inner(longer.at(content.first)); ++i) ++content.first;
+  content.expected = window(a, content.first, offset, is_text);
+  content.got = window(b, content.first, offset, is_text);
+  return content;
+}
+
+std::string name_in_parent(const StateSchema& schema, std::size_t t) {
+  const std::string& name = schema.tables[t].name;
+  const std::string begin = schema.tables[static_cast<std::size_t>(schema.tables[t].parent)].name + ".";
+  return name.size() > begin.size() && name.compare(0, begin.size(), begin) == 0 ? name.substr(begin.size()) : name;
+}
+
+/// "units[3]" or "units[3].inventory[2]". `top`: becomes the row at the begin.
+std::string row_place(const StateSchema& schema, std::span<const ImageTable> tables, std::size_t t, std::size_t row,
+                      StatePlace& top, std::size_t depth) {
+  const TableSchema& table = schema.tables[t];
+  if (table.form == TableForm::plain || depth > nesting_max) {
+    top.table = t;
+    top.row = row;
+    return table.name + "[" + std::to_string(row) + "]";
+  }
+  const ChildKey key = child_key(table, tables[t], row);
+  const auto parent = static_cast<std::size_t>(table.parent);
+  const std::optional<std::size_t> owner = find_owner(schema, tables, t, key.owner);
+  const std::string begin =
+      owner ? row_place(schema, tables, parent, *owner, top, depth + 1) : schema.tables[parent].name + "[?]";
+  const std::string text = begin + "." + name_in_parent(schema, t);
+  return has_pieces(table) ? text : text + "[" + std::to_string(key.index) + "]";
+}
+
+/// Place and owner of the pieces that begin at this row.
+void set_place(const Side& side, std::size_t t, std::size_t row, const RowNamer& row_name, ContentReport& content) {
+  StatePlace top;
+  content.table = side.schema.tables[t].name;
+  content.place = row_place(side.schema, side.tables, t, row, top, 0);
+  content.row = top.row;
+  const TableSchema& table = side.schema.tables[top.table];
+  if (table.form == TableForm::plain && table.key_column_count > 0 && top.row < side.tables[top.table].row_count)
+    content.id = lane_bits(table, side.tables[top.table].rows, {top.table, top.row, 0, 0});
+  if (row_name) content.name = row_name(top.table, top.row);
+}
+
+/// Where one side stands in its pieces.
+struct Walk {
+  const Side& side;
+  std::size_t t;
+  std::size_t row = 0;
+  Pieces pieces = {};
+  std::optional<Path> path = std::nullopt;
+
+  bool is_done() const { return row >= side.tables[t].row_count; }
+  void read() {
+    if (is_done()) return;
+    pieces = pieces_at(side, t, row);
+    path = owner_path(side, t, pieces.owner, 0);
+  }
+  void next() {
+    row += pieces.count;
+    read();
+  }
+};
+
+void compare_table(const Side& expected, const Side& got, std::size_t t, const RowNamer& row_name,
+                   std::size_t count_max, Divergence& divergence) {
+  const TableSchema& table = expected.schema.tables[t];
+  Walk a{expected, t}, b{got, t};
+  a.read();
+  b.read();
+  while (!a.is_done() || !b.is_done()) {
+    bool takes_a = !a.is_done(), takes_b = !b.is_done();
+    if (takes_a && takes_b && a.path && b.path && *a.path != *b.path) (*a.path < *b.path ? takes_b : takes_a) = false;
+    const Pieces none{&table, nullptr, 0, 0};
+    const Pieces& from_a = takes_a ? a.pieces : none;
+    const Pieces& from_b = takes_b ? b.pieces : none;
+    if (const auto offset = first_difference(from_a, from_b)) {
+      if (divergence.contents.size() < count_max) {
+        ContentReport content = content_of(from_a, from_b, *offset, table.form == TableForm::text);
+        // Names are those of the state here.
+        set_place(takes_b ? got : expected, t, takes_b ? b.row : a.row, takes_b ? row_name : RowNamer(), content);
+        if (!takes_a && b.path && !has_row(expected, t, *b.path)) content.expected.reset();
+        if (!takes_b && a.path && !has_row(got, t, *a.path)) content.got.reset();
+        divergence.contents.push_back(std::move(content));
+      }
+      ++divergence.content_count;
+    }
+    if (takes_a) a.next();
+    if (takes_b) b.next();
+  }
+}
+
+}  // namespace
+
+std::string child_place(const StateSchema& schema, std::span<const ImageTable> tables, std::size_t table,
+                        std::size_t row) {
+  if (schema.tables[table].form == TableForm::plain) return "";
+  StatePlace top;
+  return row_place(schema, tables, table, row, top, 0);
+}
+
+void locate_contents(const StateSchema& schema, std::span<const ImageTable> expected, std::span<const ImageTable> got,
+                     const RowNamer& row_name, std::size_t count_max, Divergence& divergence) {
+  divergence.contents.clear();
+  divergence.content_count = 0;
+  const Side there{schema, expected}, here{schema, got};
+  for (std::size_t t = 0; t < schema.tables.size(); ++t)
+    if (has_pieces(schema.tables[t])) compare_table(there, here, t, row_name, count_max, divergence);
+}
+
+}  // namespace ticktrue::verifier
