@@ -40,7 +40,7 @@ struct OpenPluginSession {
 /// Errors: usage (several plug-ins, no number of ticks), io, invalid_input, and what the plug-in refuses.
 /// Requires: has_plugin().
 Result<OpenPluginSession> open_plugin_session(const PluginSession& session);
-/// The setup for a trace of it.
+/// The setup for a trace of it. Its checkpoints hold saves where the plug-in has save and load.
 replay::TraceSetup plugin_trace_setup(const OpenPluginSession& made, const verifier::TraceChoices& choices);
 
 /// The exit code. Require: has_plugin().
@@ -62,8 +62,9 @@ Result<PluginRun> run_ticks(Simulation& simulation, replay::InputSource& inputs,
 /// one JSON object. Whether the trace is one of a loaded plug-in says is_plugin_trace.
 bool is_plugin_trace(const replay::TraceSetup& setup);
 int replay_plugin(replay::TraceReader& reader, std::uint64_t first, std::uint64_t last, std::uint64_t every, bool json);
-/// The same with a simulation that was made from the setup of the trace.
+/// The same with a simulation that is in the state where the reader stands: that of the setup, or of a save at
+/// `time_s`.
 int replay_with(Simulation& simulation, replay::TraceReader& reader, std::uint64_t first, std::uint64_t last,
-                std::uint64_t every, bool json);
+                std::uint64_t every, bool json, double time_s = 0);
 
 }  // namespace ticktrue::cli
