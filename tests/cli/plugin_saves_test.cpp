@@ -1,5 +1,5 @@
-// Plug-ins with save and load: recorded, restored, verified in parts and sought; what forgets, refuses or crashes is
-// named. SPDX-License-Identifier: MIT
+// Plug-ins with save and load: recorded, restored, verified in parts; what forgets, refuses or crashes is named.
+// SPDX-License-Identifier: MIT
 //
 // tests/cli/saving_plugin.cpp is the plug-in.
 #ifdef TICKTRUE_SAVING_PLUGIN
