@@ -21,9 +21,11 @@ bool is_cut_by_saves(const replay::TraceReader& reader, const SimulationInfo& in
   return info.has_saves && reader.setup().has(replay::Feature::saves);
 }
 
-/// What verifies, where a library brought the simulation; else it is this tool alone.
+/// What verifies, where a library brought the simulation; else it is this tool alone. A match does not depend on where
+/// the library lies.
 void set_here(Report& report) {
-  if (!plugin_path(report.simulation).empty()) report.here_build = make_build_facts(report.simulation);
+  if (report.verdict != Verdict::match && !plugin_path(report.simulation).empty())
+    report.here_build = make_build_facts(report.simulation);
 }
 
 Report plugin_report(const std::string& file, std::string_view mode, const std::string& what,
