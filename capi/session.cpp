@@ -202,6 +202,7 @@ Status Session::check_run_options(const ticktrue_options& options) {
                      ", expected both or none",
                  "load takes the bytes that save gave");
   if (options.reserved != 0) return usage("options: reserved: found " + number(options.reserved) + ", expected 0");
+  static_assert(TICKTRUE_SAVE_FAILED == save_refused);
   saves_ = SaveCalls(options.save, options.load, options.user);
   from_ = options.from;
   sync_ticks_ = options.sync_test;

@@ -4,7 +4,8 @@
 //   ticktrue record --plugin ./libplugin_pendulum.so 8 --ticks 600 -o chain.ttr      8: the setup, number of pendulums
 //   ticktrue verify --plugin ./libplugin_pendulum.so chain.ttr --mode restore
 //
-// TICKTRUE_EXAMPLE_FAULT=crash|hang|drift makes it misbehave from tick 100 on, to see what is told.
+// TICKTRUE_EXAMPLE_FAULT=crash|hang|drift makes it misbehave from tick 100 on, unsaved makes load forget the
+// velocities, to see what is told.
 #include <stdint.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -89,6 +90,30 @@ static int step(void* simulation, double dt, const void* inputs, size_t inputs_s
   return 0;
 }
 
+/* A save: the number of ticks, then the links. */
+static size_t save(void* simulation, void* buffer, size_t size) {
+  const Chain* chain = simulation;
+  const size_t links_size = chain->count * sizeof *chain->links;
+  if (size < sizeof chain->tick + links_size) return sizeof chain->tick + links_size; /* asks for room */
+  memcpy(buffer, &chain->tick, sizeof chain->tick);
+  memcpy((char*)buffer + sizeof chain->tick, chain->links, links_size);
+  return sizeof chain->tick + links_size;
+}
+
+/* create has made as many links as the setup says. The bytes come from a trace: check them. */
+static int load(void* simulation, const void* bytes, size_t size) {
+  Chain* chain = simulation;
+  const size_t links_size = chain->count * sizeof *chain->links;
+  if (size != sizeof chain->tick + links_size) return 1;
+  memcpy(&chain->tick, bytes, sizeof chain->tick);
+  memcpy(chain->links, (const char*)bytes + sizeof chain->tick, links_size);
+  const char* fault = getenv("TICKTRUE_EXAMPLE_FAULT");
+  if (fault != NULL && strcmp(fault, "unsaved") == 0)
+    for (uint32_t i = 0; i < chain->count; ++i) chain->links[i].velocity = 0;
+  return 0;
+}
+
+/* For traces without saves: they are restored by the columns. */
 static int loaded(void* simulation, char* text, size_t text_size) {
   (void)simulation, (void)text, (void)text_size; /* nothing derives from the state between ticks */
   return 0;
@@ -115,6 +140,11 @@ const ticktrue_plugin* ticktrue_plugin_entry(uint32_t api_version) {
       .step = step,
       .loaded = loaded,
       .row_name = row_name,
+      .save = save,
+      .load = load,
+#ifdef __VERSION__
+      .build = __VERSION__,
+#endif
   };
   return api_version >= TICKTRUE_API_VERSION ? &plugin : NULL;
 }

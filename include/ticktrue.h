@@ -39,7 +39,8 @@ extern "C" {
    3: save, load, from, to, sync_test, TICKTRUE_RESTORE, ticktrue_seek, TICKTRUE_SHOWN.
    4: TICKTRUE_MARKS, ticktrue_mark, ticktrue_note; TICKTRUE_LIVE, TICKTRUE_REFUSED, peer_bytes, player, ticktrue_root,
       ticktrue_hello, ticktrue_peer_root and what locates a desync.
-   5: ticktrue_child, ticktrue_text, ticktrue_bytes; ticktrue_bundle, ticktrue_box_save. */
+   5: ticktrue_child, ticktrue_text, ticktrue_bytes; ticktrue_bundle, ticktrue_box_save; save, load and build of
+      plug-ins. */
 #define TICKTRUE_API_VERSION 5u
 
 /* What calls return. */
@@ -97,8 +98,8 @@ enum {
    them. TICKTRUE_SAVE_FAILED: no save now. It changes nothing. */
 #define TICKTRUE_SAVE_FAILED ((size_t)-1)
 typedef size_t (*ticktrue_saver)(void* user, void* buffer, size_t size);
-/* Brings the program into that state; 0 for success. Both are called in begin_tick, input, end_tick and
-   ticktrue_seek. They may call ticktrue_column and ticktrue_rows, for what has moved, and no other function. */
+/* Brings the program into that state; 0 for success. In a session, both are called in begin_tick, input, end_tick and
+   ticktrue_seek, and may call ticktrue_column and ticktrue_rows, for what has moved, and no other function. */
 typedef int (*ticktrue_loader)(void* user, const void* bytes, size_t size);
 
 /* All zero but struct_size is a good start. */
@@ -340,7 +341,7 @@ typedef struct ticktrue_host {
    asked for. Optional ones may be null. */
 typedef struct ticktrue_plugin {
   size_t struct_size;        /* sizeof(ticktrue_plugin) */
-  uint32_t api_version;      /* TICKTRUE_API_VERSION */
+  uint32_t api_version;      /* the version that it needs: TICKTRUE_API_VERSION; an older tool refuses it */
   uint32_t version;          /* as in ticktrue_options */
   const char* name;          /* as in ticktrue_options */
   const char* const* stages; /* names, in order; may be null */
@@ -367,6 +368,13 @@ typedef struct ticktrue_plugin {
   /* Optional: the inputs of a tick for people, one JSON object a line. */
   int (*inputs_text)(void* simulation, uint64_t tick, const void* inputs, size_t inputs_size, char* text,
                      size_t text_size);
+  /* Since version 5 of this interface. */
+  /* Optional, both or none; `user` is the simulation. With them, checkpoints of a recording hold a save, and a
+     verification begins at each of them: create makes a simulation from the same setup, and load brings it into the
+     state of the save. Then `columns` is called. Where a trace has saves, `loaded` is not called. */
+  ticktrue_saver save;
+  ticktrue_loader load;
+  const char* build; /* facts about the build of the plug-in, as in ticktrue_options; may be null */
 } ticktrue_plugin;
 
 /* The one function a plug-in exports: TICKTRUE_PLUGIN_API const ticktrue_plugin* ticktrue_plugin_entry(uint32_t v).

@@ -22,15 +22,18 @@ std::string non_finite_text(const Simulation& simulation, std::uint64_t tick, co
 /// One recording in progress.
 class Recording {
  public:
-  Recording(Simulation& simulation, InputSource& source, TraceWriter& writer, const RecordOptions& options)
-      : simulation_(simulation), source_(source), writer_(writer), options_(options) {}
+  Recording(Simulation& simulation, InputSource& source, TraceWriter& writer, const RecordOptions& options,
+            bool has_saves)
+      : simulation_(simulation), source_(source), writer_(writer), options_(options), has_saves_(has_saves) {}
 
   Result<RecordResult> run() {
     result_.root_hash = root_hash(simulation_.state());
     for (;;) {
-      if (writer_.wants_checkpoint())
-        if (const Status status = writer_.checkpoint(simulation_.state(), result_.root_hash); !status)
-          return writer_.abandon(status.error());
+      if (writer_.wants_checkpoint()) {
+        Result<std::optional<Bytes>> save = find_save();
+        if (!save) return give_up(save.error());
+        if (const Status status = write_checkpoint(*save); !status) return writer_.abandon(status.error());
+      }
       const std::uint64_t tick = writer_.tick_count();
       if (options_.tick_count && tick >= *options_.tick_count) return finish(EndReason::complete, "");
       if (is_stopped(tick)) return stop(tick);
@@ -57,6 +60,19 @@ class Recording {
 
  private:
   bool is_stopped(std::uint64_t tick) { return options_.progress && !options_.progress(tick); }
+
+  /// Nothing where the trace holds no saves.
+  Result<std::optional<Bytes>> find_save() {
+    if (!has_saves_) return std::optional<Bytes>();
+    Result<std::optional<Bytes>> save = simulation_.save(writer_.tick_count());
+    if (save && !*save) ++result_.saves_missing;
+    return save;
+  }
+
+  Status write_checkpoint(const std::optional<Bytes>& save) {
+    if (const Status status = writer_.checkpoint(simulation_.state(), result_.root_hash); !status) return status;
+    return save ? writer_.save(*save) : Status();
+  }
 
   Result<RecordResult> stop(std::uint64_t tick) {
     if (tick > 0) return finish(EndReason::interrupted, "stopped on request");
@@ -112,6 +128,7 @@ class Recording {
   InputSource& source_;
   TraceWriter& writer_;
   const RecordOptions& options_;
+  bool has_saves_;
   StageHashes stage_hashes_;  // of the ticks that store them
   RecordResult result_;
 };
@@ -127,9 +144,12 @@ Result<RecordResult> record(Simulation& simulation, InputSource& source, const s
   if (const Status floats = check_float_behaviour(); !floats) return floats.error();
   if (const std::optional<StatePlace> place = find_non_finite(simulation.state()))
     return Error{ErrorCode::invalid_scene, "initial state, " + non_finite_text(simulation, 0, *place), ""};
-  Result<TraceWriter> writer = TraceWriter::create(path, setup, facts, options.writer);
+  const bool has_saves = setup.has(Feature::saves);
+  WriterOptions writer_options = options.writer;
+  writer_options.allow_third = writer_options.allow_third || has_saves;
+  Result<TraceWriter> writer = TraceWriter::create(path, setup, facts, writer_options);
   if (!writer) return writer.error();
-  return Recording(simulation, source, *writer, options).run();
+  return Recording(simulation, source, *writer, options, has_saves).run();
 }
 
 }  // namespace ticktrue::replay

@@ -47,19 +47,21 @@ struct RecordOptions {
 
 struct RecordResult {
   std::uint64_t tick_count = 0;
-  std::uint64_t size = 0;       // bytes of the trace
-  std::uint64_t root_hash = 0;  // of the last state
-  double simulate_s = 0;        // wall time of the steps alone
+  std::uint64_t size = 0;           // bytes of the trace
+  std::uint64_t root_hash = 0;      // of the last state
+  double simulate_s = 0;            // wall time of the steps alone
+  std::uint64_t saves_missing = 0;  // checkpoints for which the simulation had no save
   EndReason reason = EndReason::complete;
   std::string note;  // the place of a non-finite value, or why it was interrupted
 };
 
 /// (If `progress` returns false before the first tick: no file is left, tick_count and size are 0.)
 /// Records from the current state of the simulation to its end. A tick that produces a non-finite value is not
-/// recorded: the trace is closed before it. Errors: unsupported (check_float_behaviour), io, limit and inconsistent
-/// (also of a tick that could not be done), invalid_input (also a session without a tick). On invalid_input from a
-/// repeatable source, or before the first tick, no file is left behind and an overwritten one is back; else the trace
-/// is closed (interrupted) and the message says what it holds.
+/// recorded: the trace is closed before it. With Feature::saves in the setup, each checkpoint holds a save, as far as
+/// the simulation gives one; requires SimulationInfo::has_saves. Errors: unsupported (check_float_behaviour), io, limit
+/// and inconsistent (also of a tick that could not be done), invalid_input (also a session without a tick). On
+/// invalid_input from a repeatable source, or before the first tick, no file is left behind and an overwritten one is
+/// back; else the trace is closed (interrupted) and the message says what it holds.
 Result<RecordResult> record(Simulation& simulation, InputSource& source, const std::string& path,
                             const TraceSetup& setup, const BuildFacts& facts, const RecordOptions& options);
 

@@ -7,6 +7,7 @@
 #include <cstdint>
 #include <functional>
 #include <memory>
+#include <optional>
 #include <span>
 #include <string>
 #include <string_view>
@@ -61,6 +62,21 @@ class Simulation {
   /// Errors: corrupt (a value out of its range), unsupported (the state can only be observed).
   virtual Status load(ByteView image) = 0;
 
+  /// Bytes of the simulation's own that bring it back to its present state, with `tick` ticks done; nothing where it
+  /// has none now. Changes nothing. Errors: unsupported, usage (what it gave is no save, or it changed its state),
+  /// limit.
+  virtual Result<std::optional<Bytes>> save(std::uint64_t tick) {
+    static_cast<void>(tick);
+    return Error{ErrorCode::unsupported, "its state cannot be saved", ""};
+  }
+
+  /// Replaces the state by one that save() gave, with `tick` ticks done. After an error the state is invalid.
+  /// Errors: unsupported, usage (refused).
+  virtual Status load_saved(std::uint64_t tick, ByteView save) {
+    static_cast<void>(tick), static_cast<void>(save);
+    return Error{ErrorCode::unsupported, "it loads no saves", ""};
+  }
+
   /// Flips a bit in the middle of the next step only. Errors: unsupported, also for a place without a value inside a
   /// step.
   virtual Status inject(const InnerFault&) {
@@ -85,6 +101,7 @@ struct SimulationInfo {
   /// The same, each tick on so many threads, with the same results; empty: its ticks have one thread. Errors: also
   /// limit and unsupported (base/parallel/workers.h).
   std::function<Result<std::unique_ptr<Simulation>>(ByteView setup, unsigned thread_count)> make_on_threads = {};
+  bool has_saves = false;  // its simulations have save() and load_saved()
 };
 
 }  // namespace ticktrue

@@ -147,7 +147,7 @@ while IFS= read -r command; do
     ./game_fma*) wanted=$is_red is_red=0 ;;
     ./units_fma*) wanted=1 ;;
     "./lockstep --record"*) ;;
-    *--bug* | *--fault* | "ticktrue diff "* | "ticktrue verify b1.ttr"*) wanted=1 ;;
+    *--bug* | *--fault* | TICKTRUE_EXAMPLE_FAULT=* | "ticktrue diff "* | "ticktrue verify b1.ttr"*) wanted=1 ;;
   esac
   case $command in *' & '*) command="{ $command; code=\$?; wait; exit \$code; }" ;; esac
   expect "$wanted" "" env HOME="$home" PATH="$(dirname "$tool"):$PATH" sh -c "cd '$work/doc' && $environment && $command"
@@ -306,7 +306,7 @@ expect 0 "" compile_old "$old/rollback.c" "$library" -o rollback_old
 expect 0 "match  rollback.ttr  600 of 600 ticks compared" ./rollback_old --verify rollback.ttr
 expect 0 "recorded  rollback_old.ttr  600 ticks" ./rollback_old --record rollback_old.ttr
 expect 0 "match  rollback_old.ttr" ./rollback --verify rollback_old.ttr
-expect 0 "" compile_old ../examples/plugin_pendulum.c -shared -fPIC -o old_pendulum.so
+expect 0 "" compile_old "$old/plugin_pendulum.c" -shared -fPIC -o old_pendulum.so
 expect 0 "100 ticks" "$tool" record 8 --plugin ./old_pendulum.so --ticks 100 -o old_pendulum.ttr
 for mode in replay restore twice; do
   expect 0 "match  old_pendulum.ttr" "$tool" verify old_pendulum.ttr --plugin ./old_pendulum.so --mode "$mode"
@@ -363,6 +363,13 @@ for mode in replay restore twice; do
   expect 0 "match  pendulum.ttr" "$tool" verify pendulum.ttr --plugin "$pendulum" --mode "$mode"
 done
 expect 0 "match  pendulum.ttr" "$tool" --plugin "$pendulum" verify pendulum.ttr --from 120
+expect 0 "saves       7, 1400 bytes" "$tool" show pendulum.ttr
+expect 0 "plug-in     path ./libplugin_pendulum.so, build " "$tool" show pendulum.ttr
+expect 0 "begin with its save, which pendulum-example loads" "$tool" verify pendulum.ttr --plugin "$pendulum" --mode restore
+expect 0 "match  pendulum.ttr  300 of 300 ticks compared" "$tool" verify pendulum.ttr --plugin "$pendulum" -j 2
+expect 1 "state_incomplete  pendulum.ttr" env TICKTRUE_EXAMPLE_FAULT=unsaved "$tool" verify pendulum.ttr --plugin "$pendulum" --mode restore
+expect 1 "links.velocity" env TICKTRUE_EXAMPLE_FAULT=unsaved "$tool" verify pendulum.ttr --plugin "$pendulum" --from 120
+expect 0 "match  pendulum.ttr" env TICKTRUE_EXAMPLE_FAULT=unsaved "$tool" verify pendulum.ttr --plugin "$pendulum" -j 1
 sed 's/-9\.8125/-9.75/' ../examples/plugin_pendulum.c >other_pendulum.c
 expect 0 "" cc -O2 -ffp-contract=off -I"$prefix/include" other_pendulum.c -shared -fPIC -o other_pendulum.so
 expect 0 "gives the recorded bits too, in all 300 ticks" "$tool" verify pendulum.ttr --plugin "$pendulum" --against-plugin "$pendulum"

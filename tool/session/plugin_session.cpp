@@ -10,6 +10,7 @@
 #include <sstream>
 #include <system_error>
 
+#include "base/count_text.h"
 #include "base/hash.h"
 #include "base/limits.h"
 #include "replay/file/file.h"
@@ -174,6 +175,7 @@ replay::TraceSetup plugin_trace_setup(const OpenPluginSession& made, const verif
   setup.schema = *made.simulation->state().schema;
   setup.stages.assign(made.simulation->stage_names().begin(), made.simulation->stage_names().end());
   setup.setup = made.setup;
+  if (made.info->has_saves) setup.features = static_cast<std::uint32_t>(replay::Feature::saves);
   return setup;
 }
 
@@ -242,14 +244,18 @@ int record_plugin(const PluginSession& session) {
     progress.update(done);
     return !stop_requested();
   };
-  const auto result = replay::record(*made->simulation, *made->inputs, session.output,
-                                     plugin_trace_setup(*made, session.choices), verifier::make_build_facts(), options);
+  const auto result =
+      replay::record(*made->simulation, *made->inputs, session.output, plugin_trace_setup(*made, session.choices),
+                     verifier::make_build_facts(made->info->name), options);
   progress.finish();
   if (!result) return fail_usage(result.error());
   if (result->reason == replay::EndReason::interrupted && result->tick_count == 0) {
     print_note("stopped before the first tick: nothing was written");
     return exit_ok;
   }
+  if (result->saves_missing > 0)
+    print_warning(session.output + ": " + count_text(result->saves_missing, "checkpoint") +
+                  " without a save: save returned TICKTRUE_SAVE_FAILED");
   std::string_view reason;
   for (const replay::EndReasonInfo& info : replay::end_reasons)
     if (info.reason == result->reason) reason = info.name;

@@ -41,7 +41,7 @@ struct OpenPluginSession {
 /// Errors: usage (several plug-ins, no number of ticks), io, invalid_input, those of the plug-in. Requires:
 /// has_plugin().
 Result<OpenPluginSession> open_plugin_session(const PluginSession& session);
-/// The setup of a trace of this session.
+/// The setup for a trace of this session. Its checkpoints hold saves if the plug-in has save and load.
 replay::TraceSetup plugin_trace_setup(const OpenPluginSession& made, const verifier::TraceChoices& choices);
 
 /// Returns the exit code. Requires: has_plugin().
@@ -63,8 +63,8 @@ Result<PluginRun> run_ticks(Simulation& simulation, replay::InputSource& inputs,
 /// first..last, as lines of text or as one JSON object.
 bool is_plugin_trace(const replay::TraceSetup& setup);
 int replay_plugin(replay::TraceReader& reader, std::uint64_t first, std::uint64_t last, std::uint64_t every, bool json);
-/// The same, with a simulation made from the setup of the trace.
+/// The same with a simulation in the state where the reader stands: the state of the setup, or of a save at `time_s`.
 int replay_with(Simulation& simulation, replay::TraceReader& reader, std::uint64_t first, std::uint64_t last,
-                std::uint64_t every, bool json);
+                std::uint64_t every, bool json, double time_s = 0);
 
 }  // namespace ticktrue::cli

@@ -9,8 +9,10 @@
 #include <optional>
 #include <vector>
 
+#include "base/hash.h"
 #include "base/limits.h"
 #include "base/state/gathered_state.h"
+#include "base/state/save_calls.h"
 #include "include/ticktrue.h"
 #include "verifier/runs/plugin_isolation.h"
 
@@ -41,12 +43,15 @@ namespace ticktrue::verifier {
 namespace {
 
 constexpr std::size_t text_size_max = 64 * 1024;  // of inputs as text; messages and names are shorter
+constexpr std::size_t build_size_max = 4'096;     // a trace holds no longer fact
+static_assert(TICKTRUE_SAVE_FAILED == save_refused);
 
 /// A loaded library. One call at a time: plug-ins are not asked to be safe for threads.
 struct Plugin {
   std::string path;
   ticktrue_plugin functions{};
   std::string name;
+  std::string build;  // may be empty
   std::vector<std::string> stages;
   SimulationInfo info;
   std::recursive_mutex mutex;
@@ -119,6 +124,7 @@ class PluginSimulation : public Simulation {
     }
     if (made->simulation_ == nullptr)
       return plugin_error(ErrorCode::invalid_scene, plugin.path, "create: found success and no simulation");
+    made->saves_ = SaveCalls(plugin.functions.save, plugin.functions.load, made->simulation_);
     if (const Status status = made->gather(); !status) return status.error();
     return std::unique_ptr<Simulation>(std::move(made));
   }
@@ -199,6 +205,36 @@ class PluginSimulation : public Simulation {
     return gather();
   }
 
+  Result<std::optional<Bytes>> save(std::uint64_t tick) override {
+    if (!saves_.is_set()) return Simulation::save(tick);
+    const std::uint64_t before = root_hash(state_.view());
+    Result<std::optional<Bytes>> saved = [&] {
+      const std::lock_guard lock(plugin_.mutex);
+      const WatchedCall call(PluginCall::save, tick);
+      return saves_.save(tick);
+    }();
+    if (!saved) return plugin_error(saved.error().code, plugin_.path, saved.error().message, saved.error().hint);
+    if (const Status status = gather(); !status) return status.error();
+    const std::uint64_t behind = root_hash(state_.view());
+    if (behind == before) return saved;
+    return plugin_error(ErrorCode::usage, plugin_.path,
+                        "save callback: tick " + std::to_string(tick) + ": it changes the state: hash before " +
+                            hex64(before) + ", behind it " + hex64(behind),
+                        "save writes to the buffer alone");
+  }
+
+  Status load_saved(std::uint64_t tick, ByteView save) override {
+    if (!saves_.is_set()) return Simulation::load_saved(tick, save);
+    tick_ = tick;
+    const Status loaded = [&] {
+      const std::lock_guard lock(plugin_.mutex);
+      const WatchedCall call(PluginCall::load, tick);
+      return saves_.load(tick, save);
+    }();
+    if (!loaded) return plugin_error(loaded.error().code, plugin_.path, loaded.error().message, loaded.error().hint);
+    return gather();
+  }
+
   std::span<const std::string> stage_names() const override { return plugin_.stages; }
 
   std::string row_name(std::size_t table, std::size_t row) const override {
@@ -264,8 +300,9 @@ class PluginSimulation : public Simulation {
 
   Plugin& plugin_;
   void* simulation_ = nullptr;
+  SaveCalls saves_;  // not set where it has none
   GatheredState state_;
-  std::uint64_t tick_ = 0;  // ticks done since it was made
+  std::uint64_t tick_ = 0;  // ticks done since it was made; behind load_saved those of the state
 };
 
 void host_stage_done(ticktrue_stages* stages, std::uint32_t stage) {
@@ -348,6 +385,18 @@ Status read_plugin(const ticktrue_plugin& given, Plugin& plugin) {
       functions.step == nullptr)
     return plugin_error(ErrorCode::usage, plugin.path,
                         "found a null function, expected create, destroy, columns and step");
+  if ((functions.save == nullptr) != (functions.load == nullptr))
+    return plugin_error(
+        ErrorCode::usage, plugin.path,
+        std::string(functions.save == nullptr ? "load: found it without save" : "save: found it without load") +
+            ", expected both or none",
+        "load takes the bytes that save gave");
+  if (functions.build != nullptr) {
+    plugin.build = std::string(functions.build, strnlen(functions.build, build_size_max + 1));
+    if (plugin.build.size() > build_size_max)
+      return plugin_error(ErrorCode::usage, plugin.path,
+                          "build: found more than " + std::to_string(build_size_max) + " bytes, expected a text");
+  }
   if (functions.stage_count > limits::stage_count_max || (functions.stage_count > 0 && functions.stages == nullptr))
     return plugin_error(ErrorCode::usage, plugin.path,
                         "stages: found " + std::to_string(functions.stage_count) + ", expected at most " +
@@ -391,6 +440,7 @@ Status load_plugin(const std::string& path, const std::function<bool(std::string
   Plugin* loaded = plugin.get();
   loaded->info.name = loaded->name;
   loaded->info.physics_version = loaded->functions.version;
+  loaded->info.has_saves = loaded->functions.save != nullptr;
   loaded->info.make = [loaded](ByteView setup) { return PluginSimulation::make(*loaded, setup); };
   plugin_infos().push_back(&loaded->info);
   plugins().push_back(std::move(plugin));
@@ -405,6 +455,16 @@ std::string plugin_path(std::string_view simulation) {
   for (const std::unique_ptr<Plugin>& plugin : plugins())
     if (plugin->name == simulation) return plugin->path;
   return "";
+}
+
+std::vector<std::pair<std::string, std::string>> plugin_facts(std::string_view simulation) {
+  for (const std::unique_ptr<Plugin>& plugin : plugins()) {
+    if (plugin->name != simulation) continue;
+    std::vector<std::pair<std::string, std::string>> facts{{"plugin.path", plugin->path}};
+    if (!plugin->build.empty()) facts.emplace_back("plugin.build", plugin->build);
+    return facts;
+  }
+  return {};
 }
 
 }  // namespace ticktrue::verifier

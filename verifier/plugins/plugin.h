@@ -7,6 +7,8 @@
 #include <stdexcept>
 #include <string>
 #include <string_view>
+#include <utility>
+#include <vector>
 
 #include "base/result.h"
 #include "base/state/simulation.h"
@@ -32,5 +34,8 @@ Status load_plugin(const std::string& path, const std::function<bool(std::string
 std::span<const SimulationInfo* const> plugin_simulations();
 /// The library that brought a simulation, as it was named to load_plugin; empty where none did.
 std::string plugin_path(std::string_view simulation);
+/// What is known of that library, as build facts of a trace: plugin.path, and plugin.build where it tells of its build.
+/// Empty where no library brought the simulation.
+std::vector<std::pair<std::string, std::string>> plugin_facts(std::string_view simulation);
 
 }  // namespace ticktrue::verifier

@@ -12,6 +12,7 @@ namespace {
 
 constexpr std::string_view caller_prefix = "caller.";
 constexpr std::string_view program_prefix = "program.";
+constexpr std::string_view plugin_prefix = "plugin.";
 
 constexpr std::size_t build_id_shown_max = 16;  // digits: JSON and `show` have all of them
 
@@ -52,7 +53,7 @@ std::size_t rank_of(std::string_view name) {
 }  // namespace
 
 bool is_program_fact(std::string_view name) {
-  return begins_with(name, caller_prefix) || begins_with(name, program_prefix);
+  return begins_with(name, caller_prefix) || begins_with(name, program_prefix) || begins_with(name, plugin_prefix);
 }
 
 std::string fact_unit(std::string_view name) {
@@ -66,6 +67,8 @@ std::string program_line(const replay::BuildFacts& facts) {
     if (value == nullptr || value->empty()) return;
     text += (text.empty() ? "" : ", ") + std::string(label) + value->substr(0, size_max);
   };
+  add("plugin.path", "plug-in ");
+  add("plugin.build", "build ");
   add("caller.compiler", "");
   add("caller.language", "");
   add("caller.flags", "flags ");

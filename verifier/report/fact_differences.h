@@ -1,9 +1,9 @@
 // The builds of two programs, as a report tells them: a line for each, and the facts that differ.
 // SPDX-License-Identifier: MIT
 //
-// Facts whose names begin with caller. or program. are about the program that recorded or verifies a session; all
-// others are about ticktrue. caller.NAME is a fact of the unit that opened the session, caller.UNIT.NAME one of a
-// further unit.
+// Facts whose names begin with caller. or program. are about the program that recorded or verifies a session, those
+// with plugin. about the library of a plug-in; all others are about ticktrue. caller.NAME is a fact of the unit that
+// opened the session, caller.UNIT.NAME one of a further unit.
 #pragma once
 
 #include <string>
@@ -14,7 +14,7 @@
 
 namespace ticktrue::verifier {
 
-/// Whether the fact is about the program, not about ticktrue.
+/// Whether the fact is about the program or plug-in, not about ticktrue.
 bool is_program_fact(std::string_view name);
 
 /// Of caller.UNIT.NAME the unit; of any other fact nothing.

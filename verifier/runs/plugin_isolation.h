@@ -16,7 +16,20 @@
 namespace ticktrue::verifier {
 
 /// The call that a plug-in is in, for messages.
-enum class PluginCall : std::uint32_t { none, open, create, columns, step, accept, resize, loaded, names, destroy };
+enum class PluginCall : std::uint32_t {
+  none,
+  open,
+  create,
+  columns,
+  step,
+  accept,
+  resize,
+  loaded,
+  names,
+  destroy,
+  save,
+  load
+};
 
 /// Memory shared by both processes.
 struct PluginWatch {
@@ -74,5 +87,9 @@ struct IsolatedPart {
 /// it runs `part` in this process. `meanwhile` (may be empty) is called every 10 ms or so while this process waits.
 /// Requires: this process has no other threads.
 IsolatedPart run_part(const std::function<Bytes()>& part, const std::function<void()>& meanwhile = {});
+
+/// The same for several parts at once, each in a process of its own; element i is of part i.
+std::vector<IsolatedPart> run_parts(const std::vector<std::function<Bytes()>>& parts,
+                                    const std::function<void()>& meanwhile = {});
 
 }  // namespace ticktrue::verifier

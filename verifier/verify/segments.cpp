@@ -31,6 +31,7 @@ class SegmentReader {
     }
     if (boundary_ && boundary_->tick == start.tick) {
       start.image = std::move(boundary_->image);
+      start.save = std::move(boundary_->save);
       boundary_.reset();
       return true;
     }
@@ -40,7 +41,7 @@ class SegmentReader {
       if (std::holds_alternative<std::monostate>(item)) return false;
       const auto* checkpoint = std::get_if<CheckpointRecord>(&item);
       if (checkpoint == nullptr || checkpoint->tick != start.tick) continue;
-      start.image.assign(checkpoint->image.begin(), checkpoint->image.end());
+      start = start_at(*checkpoint, start.time_s);
       return true;
     }
   }
@@ -133,6 +134,7 @@ SegmentPlan plan_segments(const WalkContext& context, TraceSource& source, const
   SegmentPlan plan;
   plan.starts.push_back(first);
   plan.starts[0].image.clear();
+  plan.starts[0].save.clear();
   source.rewind();
   double time_s = 0;
   std::uint64_t ticks = source.first_tick();
@@ -149,8 +151,8 @@ SegmentPlan plan_segments(const WalkContext& context, TraceSource& source, const
     } else {
       const auto& checkpoint = std::get<CheckpointRecord>(item);
       if (checkpoint.time_s) time_s = *checkpoint.time_s;
-      if (checkpoint.tick > first.tick)
-        plan.starts.push_back({checkpoint.tick, time_s, true, {}, checkpoint.root_hash});
+      if (checkpoint.tick > first.tick && is_start(context, checkpoint))
+        plan.starts.push_back({checkpoint.tick, time_s, true, {}, {}, checkpoint.root_hash});
     }
   }
   // A checkpoint after the last tick ends a segment and begins none.

@@ -93,15 +93,19 @@ class Verifier {
     }
     source_.rewind();
     const auto* checkpoint = std::get_if<CheckpointRecord>(&source_.next());
-    if (checkpoint != nullptr) begin_ = start_at(*checkpoint, checkpoint->time_s.value_or(0));
-    return checkpoint != nullptr;
+    if (checkpoint != nullptr && is_start(context_, *checkpoint)) {
+      begin_ = start_at(*checkpoint, checkpoint->time_s.value_or(0));
+      return true;
+    }
+    if (checkpoint != nullptr)
+      not_comparable("begins at tick " + std::to_string(first_tick) + " with a checkpoint without a save");
+    return false;
   }
 
   /// The last checkpoint at or before `tick`; else the begin.
   Start find_start(std::uint64_t tick) {
-    if (tick > begin_.tick && can_load(context_, findings_) && source_.seek(tick)) {
-      if (const auto* checkpoint = std::get_if<CheckpointRecord>(&source_.next());
-          checkpoint != nullptr && checkpoint->tick > begin_.tick) {
+    if (tick > begin_.tick && can_load(context_, findings_)) {
+      if (const CheckpointRecord* checkpoint = seek_start(tick)) {
         if (checkpoint->time_s) return start_at(*checkpoint, *checkpoint->time_s);
         const std::uint64_t found = checkpoint->tick;
         // Ticks may have different dt: the time of the checkpoint is known only by adding them up.
@@ -117,6 +121,17 @@ class Verifier {
       }
     }
     return begin_;
+  }
+
+  /// Reads the last checkpoint at or before `tick` at which a run can begin; null where that is the begin.
+  const CheckpointRecord* seek_start(std::uint64_t tick) {
+    while (source_.seek(tick)) {
+      const auto* checkpoint = std::get_if<CheckpointRecord>(&source_.next());
+      if (checkpoint == nullptr || checkpoint->tick <= begin_.tick || checkpoint->tick > tick) return nullptr;
+      if (is_start(context_, *checkpoint)) return checkpoint;
+      tick = checkpoint->tick - 1;
+    }
+    return nullptr;
   }
 
   /// Adds what a walk found to the report.
@@ -154,6 +169,7 @@ class Verifier {
     if (walks_segments() && replay_segments(first, unconfirmed)) return;
     if (findings_.decided) return;
     if (first.tick == begin_.tick) return run_from_setup(std::move(unconfirmed));
+    note_saves();
     WalkResult result = walk_from(first);
     if (!is_clean(result, true)) return run_from_setup(UnconfirmedFinding{first, std::move(result)});
     if (unconfirmed) return run_from_setup(std::move(unconfirmed));
@@ -202,23 +218,28 @@ class Verifier {
     }
     if (findings_.verdict == Verdict::not_reproducible) return;
     report_.checkpoint = start.tick;
+    const bool by_save = loads_saves(context_);
     const std::string what = findings_.reason.empty() ? "" : ": " + findings_.reason;
     findings_.decide(Verdict::state_incomplete,
-                     "the run from the start matches, the run from the checkpoint of tick " +
-                         std::to_string(start.tick) + " does not" + what,
-                     "something that a later tick reads is in no column, or load does not restore it: find what these "
-                     "values are computed from, and show and load all of it");
+                     std::string("the run from the start matches, the run from the ") +
+                         (by_save ? "save" : "checkpoint") + " of tick " + std::to_string(start.tick) + " does not" +
+                         what,
+                     by_save ? "something that a later tick reads is not in the save, or load does not bring it back: "
+                               "find what these values are computed from, and save and load all of it"
+                             : "something that a later tick reads is in no column, or load does not restore it: find "
+                               "what these values are computed from, and show and load all of it");
     if (findings_.divergence) return;
     Divergence divergence;
     divergence.tick = tick_of(found);
     divergence.time_s = found.time_s;
-    divergence.stage_note = "not known: the run from the checkpoint could not do this tick";
+    divergence.stage_note =
+        std::string("not known: the run from the ") + (by_save ? "save" : "checkpoint") + " could not do this tick";
     findings_.divergence = std::move(divergence);
   }
 
   void conclude_walk(WalkResult result, const Start& first) {
     const std::optional<Mismatch> mismatch = std::move(result.mismatch);
-    const Start near{result.last_checkpoint, result.last_checkpoint_s, true, {}, 0};
+    const Start near{result.last_checkpoint, result.last_checkpoint_s, true, {}, {}, 0};
     take(std::move(result));
     if (!mismatch) return;
     read_tail();
@@ -334,9 +355,13 @@ class Verifier {
         findings_.reason = "no checkpoint could be read";
         return;
       }
-      first = start_at(*checkpoint, 0);
+      if (is_start(context_, *checkpoint)) first = start_at(*checkpoint, 0);
     }
     const SegmentPlan plan = plan_segments(context_, source_, first, std::numeric_limits<std::size_t>::max());
+    if (!plan.starts.back().loaded)
+      return not_comparable("no checkpoint has a save: there is nothing to load",
+                            "save must give one at least where a checkpoint is due");
+    note_saves();
     std::optional<UnconfirmedFinding> unconfirmed;
     bool clean = restore_segments(plan, {options_.thread_count, false, true, true}, unconfirmed);
     if (clean && options_.to_end) {
@@ -347,6 +372,11 @@ class Verifier {
         clean = restore_segments(later, {options_.thread_count, true, false, true}, unconfirmed);
     }
     if (unconfirmed) run_from_setup(std::move(unconfirmed));
+  }
+
+  void note_saves() {
+    if (loads_saves(context_))
+      findings_.notes.push_back("runs from a checkpoint begin with its save, which " + setup_.simulation + " loads");
   }
 
   /// False: not all was walked and as recorded.

@@ -58,8 +58,10 @@ class SegmentWalk {
         if (checkpoint->tick != result_.tick || (segment_.start.loaded && result_.tick == segment_.start.tick))
           continue;
         if (!check_checkpoint(*checkpoint)) return WalkEnd::stopped;
-        result_.last_checkpoint = result_.tick;
-        result_.last_checkpoint_s = result_.time_s;
+        if (is_start(context_, *checkpoint)) {
+          result_.last_checkpoint = result_.tick;
+          result_.last_checkpoint_s = result_.time_s;
+        }
         if (result_.tick < segment_.stop) continue;
         result_.boundary = start_at(*checkpoint, result_.time_s);
         return WalkEnd::reached_stop;
@@ -77,7 +79,8 @@ class SegmentWalk {
     if (!segment_.start.loaded) return true;
     if (segment_.counts_load) ++result_.checkpoints_compared;
     return check_image(segment_.start.root_hash, segment_.start.image, stage_load,
-                       "the state after loading the checkpoint is not the checkpoint's");
+                       loads_saves(context_) ? "the state behind load of the save is not the checkpoint's"
+                                             : "the state after loading the checkpoint is not the checkpoint's");
   }
 
   bool check_checkpoint(const CheckpointRecord& checkpoint) {
@@ -271,7 +274,14 @@ class SegmentWalk {
 }  // namespace
 
 Start start_at(const CheckpointRecord& checkpoint, double time_s) {
-  return {checkpoint.tick, time_s, true, Bytes(checkpoint.image.begin(), checkpoint.image.end()), checkpoint.root_hash};
+  Start start;
+  start.tick = checkpoint.tick;
+  start.time_s = time_s;
+  start.loaded = true;
+  start.image.assign(checkpoint.image.begin(), checkpoint.image.end());
+  if (checkpoint.save) start.save.assign(checkpoint.save->begin(), checkpoint.save->end());
+  start.root_hash = checkpoint.root_hash;
+  return start;
 }
 
 void Findings::decide(Verdict found, std::string why, std::string next) {
@@ -311,18 +321,21 @@ std::unique_ptr<Simulation> begin_at(const WalkContext& context, const Start& st
   std::unique_ptr<Simulation> simulation = make_simulation(context, findings);
   if (simulation == nullptr) return nullptr;
   if (start.loaded) {
-    if (const Status loaded = simulation->load(start.image); !loaded) {
+    const bool by_save = loads_saves(context);
+    const Status loaded = by_save ? simulation->load_saved(start.tick, start.save) : simulation->load(start.image);
+    if (!loaded) {
       if (loaded.error().code == ErrorCode::unsupported) {
         refuse_loading(context, findings);
         return nullptr;
       }
-      findings.decide(Verdict::diverged,
-                      "checkpoint at tick " + std::to_string(start.tick) + " is refused: " + loaded.error().message);
+      findings.decide(Verdict::diverged, (by_save ? "save" : "checkpoint") + std::string(" at tick ") +
+                                             std::to_string(start.tick) + " is refused: " + loaded.error().message);
       Divergence divergence;
       divergence.tick = start.tick;
       divergence.time_s = start.time_s;
       divergence.stage = stage_load;
-      divergence.stage_note = "the checkpoint is intact, but this build does not load it";
+      divergence.stage_note = by_save ? "the save is intact, but load of this build does not take it"
+                                      : "the checkpoint is intact, but this build does not load it";
       divergence.expected_root = start.root_hash;
       findings.divergence = std::move(divergence);
       return nullptr;
@@ -333,12 +346,25 @@ std::unique_ptr<Simulation> begin_at(const WalkContext& context, const Start& st
 }
 
 void refuse_loading(const WalkContext& context, Findings& findings) {
-  findings.decide(Verdict::not_comparable,
-                  "the state of " + context.setup.simulation + " can only be observed, not loaded",
-                  "use --mode replay without --from");
+  const bool lacks_saves = context.options.simulation->has_saves;
+  findings.decide(
+      Verdict::not_comparable,
+      lacks_saves ? "the trace holds no saves, and " + context.setup.simulation + " loads nothing else"
+                  : "the state of " + context.setup.simulation + " can only be observed, not loaded",
+      lacks_saves ? "record it again, or use --mode replay without --from" : "use --mode replay without --from");
+}
+
+bool loads_saves(const WalkContext& context) {
+  const SimulationInfo* info = context.options.simulation;
+  return info != nullptr && info->has_saves && context.setup.has(replay::Feature::saves);
+}
+
+bool is_start(const WalkContext& context, const CheckpointRecord& checkpoint) {
+  return checkpoint.save || !loads_saves(context);
 }
 
 bool can_load(const WalkContext& context, Findings& findings) {
+  if (loads_saves(context)) return true;
   // A simulation that cannot load says so for any image; others refuse the empty one without effect.
   const std::unique_ptr<Simulation> simulation = make_simulation(context, findings);
   if (simulation == nullptr) return false;

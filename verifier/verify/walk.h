@@ -24,6 +24,7 @@ struct Start {
   double time_s = 0;
   bool loaded = false;
   Bytes image;  // where loaded
+  Bytes save;   // the same; empty where the trace has none
   std::uint64_t root_hash = 0;
 };
 Start start_at(const replay::CheckpointRecord& checkpoint, double time_s);
@@ -59,6 +60,11 @@ RowNamer names_of(const Simulation& simulation);
 std::unique_ptr<Simulation> make_simulation(const WalkContext& context, Findings& findings);
 /// A simulation in the state of `start`; null where that is refused (then `findings` says so).
 std::unique_ptr<Simulation> begin_at(const WalkContext& context, const Start& start, Findings& findings);
+/// Whether states come back from the saves of the trace, by the simulation's own load. Else they come from the images
+/// of checkpoints.
+bool loads_saves(const WalkContext& context);
+/// Whether a run can begin at the checkpoint, if the simulation can load at all.
+bool is_start(const WalkContext& context, const replay::CheckpointRecord& checkpoint);
 /// Whether the simulation can load states.
 bool can_load(const WalkContext& context, Findings& findings);
 /// Sets the verdict if loading is required and not supported.

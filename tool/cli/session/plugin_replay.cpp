@@ -73,6 +73,25 @@ Json state_json(const Simulation& simulation, std::uint64_t tick, double time_s)
   return line;
 }
 
+/// Reads the last checkpoint with a save at or before `tick`; null where there is none.
+const replay::CheckpointRecord* seek_save(replay::TraceReader& reader, std::uint64_t tick) {
+  while (tick > 0 && reader.seek(tick)) {
+    const auto* checkpoint = std::get_if<replay::CheckpointRecord>(&reader.next());
+    if (checkpoint == nullptr || checkpoint->tick == 0 || checkpoint->tick > tick) return nullptr;
+    if (checkpoint->save) return checkpoint;
+    tick = checkpoint->tick - 1;
+  }
+  return nullptr;
+}
+
+/// Brings the simulation into the state of that save; the reader is positioned behind it. Gives the simulated time
+/// there. Errors: the plug-in refuses the save, or the state is not the recorded one.
+Result<double> begin_at_save(Simulation& simulation, const replay::CheckpointRecord& checkpoint) {
+  if (const Status loaded = simulation.load_saved(checkpoint.tick, *checkpoint.save); !loaded) return loaded.error();
+  if (root_hash(simulation.state()) == checkpoint.root_hash) return checkpoint.time_s.value_or(0);
+  return Error{ErrorCode::usage, "load does not bring back the state of tick " + std::to_string(checkpoint.tick), ""};
+}
+
 }  // namespace
 
 bool is_plugin_trace(const replay::TraceSetup& setup) {
@@ -81,15 +100,27 @@ bool is_plugin_trace(const replay::TraceSetup& setup) {
 
 int replay_plugin(replay::TraceReader& reader, std::uint64_t first, std::uint64_t last, std::uint64_t every,
                   bool json) {
-  const auto made = plugin_of(reader.setup())->make(reader.setup().setup);
+  const SimulationInfo& info = *plugin_of(reader.setup());
+  auto made = info.make(reader.setup().setup);
   if (!made) return fail(made.error());
-  return replay_with(**made, reader, first, last, every, json);
+  double time_s = 0;
+  if (info.has_saves && reader.setup().has(replay::Feature::saves)) {
+    const replay::CheckpointRecord* checkpoint = seek_save(reader, first);
+    const Result<double> begun = checkpoint != nullptr ? begin_at_save(**made, *checkpoint) : Result<double>(0.0);
+    if (begun) time_s = *begun;
+    if (checkpoint == nullptr || !begun) reader.rewind();
+    if (!begun) {
+      print_warning(reader.name() + ": " + begun.error().message + "; played from tick 0");
+      made = info.make(reader.setup().setup);
+      if (!made) return fail(made.error());
+    }
+  }
+  return replay_with(**made, reader, first, last, every, json, time_s);
 }
 
 int replay_with(Simulation& simulation, replay::TraceReader& reader, std::uint64_t first, std::uint64_t last,
-                std::uint64_t every, bool json) {
+                std::uint64_t every, bool json, double time_s) {
   const std::string file = reader.name();
-  double time_s = 0;
   bool agrees = true;
   while (output_is_open() && !stop_requested()) {
     const replay::TraceReader::Item& item = reader.next();

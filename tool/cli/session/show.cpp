@@ -309,19 +309,20 @@ std::string inputs_line(const verifier::TraceSummary& summary) {
   return fmt::format("{} in {} ticks: {}", count, summary.input_tick_count, kinds);
 }
 
-/// Facts of ticktrue on one line; those of the program below, a line for each of its units.
+/// Facts of ticktrue on one line; those of the plug-in or program below, a line for each of its units.
 void print_build(const replay::BuildFacts& facts) {
-  std::string build;
+  std::string build, plugin;
   std::map<std::string, std::string> units;
   for (const auto& [name, value] : facts) {
     const bool is_of_program = verifier::is_program_fact(name);
     const std::string unit = is_of_program ? verifier::fact_unit(name) : "";
-    std::string& text = is_of_program ? units[unit] : build;
+    std::string& text = !is_of_program ? build : name.substr(0, 7) == "plugin." ? plugin : units[unit];
     const std::string label = is_of_program ? name.substr(name.rfind('.') + 1) : name;
     text +=
         fmt::format("{}{} {}", text.empty() ? "" : ", ", plain_line(label), value.empty() ? "-" : plain_line(value));
   }
   print(fmt::format("  build       {}\n", build.empty() ? "not known" : build));
+  if (!plugin.empty()) print(fmt::format("  plug-in     {}\n", plugin));
   for (const auto& [unit, text] : units)
     print(fmt::format("  {:<11} {}\n", unit.empty() ? "program" : "unit",
                       (unit.empty() ? "" : plain_line(unit) + ": ") + text));

@@ -1,20 +1,25 @@
-// The save and load callbacks of a program: called with guards, their faults told by name.
+// The save and load callbacks of a program or plug-in: called with guards, their faults told by name.
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <optional>
 
 #include "base/bytes.h"
 #include "base/result.h"
-#include "include/ticktrue.h"
 
-namespace ticktrue::capi {
+namespace ticktrue {
+
+/// As ticktrue_saver and ticktrue_loader of include/ticktrue.h.
+using SaveFunction = std::size_t (*)(void* user, void* buffer, std::size_t size);
+using LoadFunction = int (*)(void* user, const void* bytes, std::size_t size);
+inline constexpr std::size_t save_refused = static_cast<std::size_t>(-1);  // TICKTRUE_SAVE_FAILED
 
 class SaveCalls {
  public:
   SaveCalls() = default;
-  SaveCalls(ticktrue_saver saver, ticktrue_loader loader, void* user) : save_(saver), load_(loader), user_(user) {}
+  SaveCalls(SaveFunction saver, LoadFunction loader, void* user) : save_(saver), load_(loader), user_(user) {}
 
   bool is_set() const { return save_ != nullptr; }
 
@@ -27,10 +32,10 @@ class SaveCalls {
  private:
   Result<std::size_t> call_save(std::uint64_t tick, Bytes& buffer, std::size_t size);
 
-  ticktrue_saver save_ = nullptr;
-  ticktrue_loader load_ = nullptr;
+  SaveFunction save_ = nullptr;
+  LoadFunction load_ = nullptr;
   void* user_ = nullptr;
   std::size_t usual_size_ = std::size_t{64} << 10;  // bytes that the next save probably has
 };
 
-}  // namespace ticktrue::capi
+}  // namespace ticktrue

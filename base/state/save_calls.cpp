@@ -1,6 +1,6 @@
-// Calls save and load of a program. What they write too much, return or throw is told, never passed on.
+// Calls save and load of a program or plug-in. What they write too much, return or throw is told, never passed on.
 // SPDX-License-Identifier: MIT
-#include "capi/saves.h"
+#include "base/state/save_calls.h"
 
 #include <algorithm>
 #include <exception>
@@ -8,7 +8,7 @@
 
 #include "base/limits.h"
 
-namespace ticktrue::capi {
+namespace ticktrue {
 namespace {
 
 constexpr std::size_t guard_size = 4'096;  // bytes behind the buffer: a save that writes too much hits them first
@@ -55,7 +55,7 @@ Result<std::optional<Bytes>> SaveCalls::save(std::uint64_t tick) {
   for (int i = 0; i < size_try_count_max; ++i) {
     const Result<std::size_t> returned = call_save(tick, buffer, size);
     if (!returned) return returned.error();
-    if (*returned == TICKTRUE_SAVE_FAILED) return std::optional<Bytes>();
+    if (*returned == save_refused) return std::optional<Bytes>();
     if (*returned == 0)
       return fault("save", tick, "found 0 bytes, expected at least 1",
                    "return how many bytes there are; TICKTRUE_SAVE_FAILED says that there is no save now");
@@ -91,4 +91,4 @@ Status SaveCalls::load(std::uint64_t tick, ByteView bytes) {
       "it must take every save that the save callback of this version gave");
 }
 
-}  // namespace ticktrue::capi
+}  // namespace ticktrue
