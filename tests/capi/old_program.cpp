@@ -2,7 +2,7 @@
 // today.
 // SPDX-License-Identifier: MIT
 //
-// tests/capi/header_1/ticktrue.h to header_3/ticktrue.h are copies of the headers of versions 1 to 3 and are never
+// tests/capi/header_1/ticktrue.h to header_4/ticktrue.h are copies of the headers of versions 1 to 4 and are never
 // edited. TICKTRUE_OLD_VERSION says which of them this is built with. The program includes nothing else of this tree,
 // is linked to the shared library, and checks itself: every case prints what it found and the exit code is 1.
 #include <cstdio>
@@ -15,14 +15,17 @@
 #include "tests/capi/header_1/ticktrue.h"
 #elif TICKTRUE_OLD_VERSION == 2
 #include "tests/capi/header_2/ticktrue.h"
-#else
+#elif TICKTRUE_OLD_VERSION == 3
 #include "tests/capi/header_3/ticktrue.h"
+#else
+#include "tests/capi/header_4/ticktrue.h"
 #endif
 
 static_assert(TICKTRUE_API_VERSION == TICKTRUE_OLD_VERSION, "the copy of the header was edited");
 static_assert(sizeof(void*) != 8 || sizeof(ticktrue_options) == (TICKTRUE_OLD_VERSION == 1   ? 104
                                                                  : TICKTRUE_OLD_VERSION == 2 ? 112
-                                                                                             : 160),
+                                                                 : TICKTRUE_OLD_VERSION == 3 ? 160
+                                                                                             : 176),
               "the copy of the header was edited");
 static_assert(sizeof(void*) != 8 || sizeof(ticktrue_host) == 48, "the copy of the header was edited");
 static_assert(sizeof(void*) != 8 || sizeof(ticktrue_plugin) == 112, "the copy of the header was edited");

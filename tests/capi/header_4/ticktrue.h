@@ -1,0 +1,591 @@
+// The C interface of ticktrue: records and verifies any simulation, in a loop of its own or as a plug-in of the tool.
+// SPDX-License-Identifier: MIT
+//
+// docs/any_simulation.md leads from nothing to a red and a green run. C99 and C++. What holds:
+// - Binary interface: functions and constants keep their meaning; structs begin with struct_size and only grow at the
+//   end, so a program built against an older header runs with a newer library.
+// - No exception leaves the library, and no wrong call crashes it: a call that fails says so, every later one too, and
+//   ticktrue_close tells what it was. A null session means "off": every call does nothing and succeeds.
+// - Threads: a session belongs to one thread at a time; different sessions, also of different threads, share nothing.
+// - Text is UTF-8. Pointers handed out stay valid until the next call with that session.
+#pragma once
+
+#include <float.h>
+#include <limits.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#if defined(_WIN32)
+#if defined(TICKTRUE_BUILD)
+#define TICKTRUE_API __declspec(dllexport)
+#else
+#define TICKTRUE_API
+#endif
+#define TICKTRUE_PLUGIN_API __declspec(dllexport)
+#elif defined(__GNUC__) || defined(__clang__)
+#define TICKTRUE_API __attribute__((visibility("default")))
+#define TICKTRUE_PLUGIN_API __attribute__((visibility("default")))
+#else
+#define TICKTRUE_API
+#define TICKTRUE_PLUGIN_API
+#endif
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+/* The version of this interface. It rises when something is added; what was there stays.
+   2: caller_facts, ticktrue_build_facts, ticktrue_table, ticktrue_rows.
+   3: save, load, from, to, sync_test, TICKTRUE_RESTORE, ticktrue_seek, TICKTRUE_SHOWN.
+   4: TICKTRUE_MARKS, ticktrue_mark, ticktrue_note; TICKTRUE_LIVE, TICKTRUE_REFUSED, peer_bytes, player, ticktrue_root,
+      ticktrue_hello, ticktrue_peer_root and what locates a desync. */
+#define TICKTRUE_API_VERSION 4u
+
+/* What calls return. */
+enum {
+  TICKTRUE_OK = 0,       /* go on */
+  TICKTRUE_END = 1,      /* verify: every recorded tick was run; leave the loop */
+  TICKTRUE_DIVERGED = 2, /* verify: this tick is not as recorded; record: a value is not finite; leave the loop */
+  TICKTRUE_FAILED = 3,   /* a wrong call, or the system refused; ticktrue_message says what */
+  TICKTRUE_REFUSED = 4   /* bytes of another player are not what they should be; nothing has changed: go on */
+};
+
+/* Types of values. Signed 8 and 16 bit values are registered as U8 and U16: their bits are compared. */
+enum {
+  TICKTRUE_U8 = 1,
+  TICKTRUE_U16 = 2,
+  TICKTRUE_U32 = 3,
+  TICKTRUE_U64 = 4,
+  TICKTRUE_I32 = 5,
+  TICKTRUE_I64 = 6,
+  TICKTRUE_F32 = 7,
+  TICKTRUE_F64 = 8,
+  /* Added to one of these, as in TICKTRUE_F32 | TICKTRUE_SHOWN: the column is stored and printed, and never compared.
+     For what people want to see in a report and what may differ: sprites, names of assets, costs, addresses. Its table
+     has at least one column that is compared. Stored in checkpoints and with ticks in full detail. */
+  TICKTRUE_SHOWN = 0x100
+};
+
+/* ---- sessions: a program that owns its loop ---------------------------------------------------------------------- */
+
+typedef struct ticktrue_session ticktrue_session;
+
+/* Live: nothing is written or verified; ticks are hashed, and compared with other players. */
+enum { TICKTRUE_RECORD = 1, TICKTRUE_VERIFY = 2, TICKTRUE_LIVE = 3 };
+
+/* How much is stored of each tick. */
+enum {
+  TICKTRUE_DETAIL_DEFAULT = 0, /* what `ticktrue record` takes */
+  TICKTRUE_DETAIL_ROOT = 1,    /* a hash: names the tick */
+  TICKTRUE_DETAIL_CELLS = 2,   /* hashes that name columns and rows, too */
+  TICKTRUE_DETAIL_FULL = 3     /* the whole state: names values; of the ticks full_first..full_last */
+};
+
+enum {
+  TICKTRUE_OVERWRITE = 1, /* record: replace an existing file */
+  TICKTRUE_QUIET = 2,     /* ticktrue_close prints nothing */
+  TICKTRUE_JSON = 4,      /* ticktrue_close prints the report as JSON */
+  TICKTRUE_NO_SYNC = 8,   /* record: leave it to the system when the file reaches the disk */
+  TICKTRUE_RESTORE = 16,  /* verify: each save of the trace is loaded, and the ticks behind it run a second time */
+  TICKTRUE_MARKS = 32     /* record: marks and notes are stored, in a trace of format version 3 */
+};
+
+/* Optional, as in rollback games. Save gives the bytes that bring the program back to its present state: it writes at
+   most `size` bytes to `buffer` and returns how many there are. More than `size`: it is called again with room for
+   them. TICKTRUE_SAVE_FAILED: no save now. It changes nothing. */
+#define TICKTRUE_SAVE_FAILED ((size_t)-1)
+typedef size_t (*ticktrue_saver)(void* user, void* buffer, size_t size);
+/* Brings the program into that state; 0 for success. Both are called in begin_tick, input, end_tick and
+   ticktrue_seek. They may call ticktrue_column and ticktrue_rows, for what has moved, and no other function. */
+typedef int (*ticktrue_loader)(void* user, const void* bytes, size_t size);
+
+/* All zero but struct_size is a good start. */
+typedef struct ticktrue_options {
+  size_t struct_size; /* sizeof(ticktrue_options) */
+  int32_t mode;       /* TICKTRUE_RECORD, TICKTRUE_VERIFY or TICKTRUE_LIVE */
+  int32_t detail;     /* record */
+  const char* path;   /* of the trace */
+  const char* name;   /* of the simulation, as in "mygame" */
+  uint32_t version;   /* raise it when results change on purpose: older traces are then "not comparable" */
+  uint32_t flags;
+  const void* setup; /* record: what the program needs to begin again: level, seed, players */
+  size_t setup_size;
+  const char* title;            /* record: for people; null: the name */
+  const char* build;            /* facts about the program's build, as in "r345 gcc 12 -O2"; may be null */
+  double dt;                    /* s, of a tick; 0: 1/60 */
+  uint64_t full_first;          /* record, detail full: the ticks stored in full; */
+  uint64_t full_last;           /* 0: all from full_first on */
+  uint32_t checkpoint_interval; /* record: ticks between full states; 0: 600 */
+  uint32_t rollback_max;        /* ticks that may wait for ticktrue_confirm; 0: the program never rolls back */
+  /* Since version 2 of this interface. */
+  const char* caller_facts; /* how the program is compiled: TICKTRUE_CALLER_FACTS; null: not known */
+  /* Since version 3. */
+  ticktrue_saver save;  /* both or none; with them, checkpoints of a recording hold a save */
+  ticktrue_loader load; /* what `from`, `sync_test`, TICKTRUE_RESTORE and ticktrue_seek need */
+  void* user;           /* given to both */
+  uint64_t from;        /* verify: first tick compared; the run begins at the last save before it */
+  uint64_t to;          /* verify: last tick compared; 0: to the end */
+  uint32_t sync_test;   /* k > 0: after each k ticks the program is brought back and runs them again */
+  uint32_t reserved;    /* 0 */
+  /* Since version 4. */
+  uint64_t peer_bytes; /* of states of confirmed ticks that are kept to locate a desync; 0: 16 MiB */
+  uint32_t player;     /* own number among the players, 0..254; every side counts them alike */
+  uint32_t box_kib;    /* record: > 0: `path` is a black box of so many KiB, with the last stretch of the session */
+} ticktrue_options;
+
+/* Opens a session. Never null: what went wrong, the next call and ticktrue_close tell. Everything is copied. */
+TICKTRUE_API ticktrue_session* ticktrue_open(const ticktrue_options* options);
+
+/* The same, with mode, path and overwriting from the program's words --record FILE, --verify FILE and --force; null if
+   neither of the first two is there, or, with mode TICKTRUE_LIVE, a live session. --blackbox FILE records into a black
+   box of box_kib (0: 32 MiB) or of --box-kib N. With --record also --detail root,
+   cells, full or full:FIRST..LAST (of programs built with this header or a newer one). If `load` is set, also
+   --sync-test K and, with --verify, --from N, --to N and --mode replay or restore. */
+TICKTRUE_API ticktrue_session* ticktrue_open_arguments(const ticktrue_options* options, int argc, char* const* argv);
+
+/* The setup: verify gives the recorded one, record and a null session give `setup` of the options (null: nothing). */
+TICKTRUE_API const void* ticktrue_setup(ticktrue_session* session, size_t* size);
+
+/* Facts about the build of a further unit, before the first tick: of a physics library, or of a file with flags of its
+   own. `unit` is its name in reports; `facts` is what TICKTRUE_CALLER_FACTS gives there, or any lines "name=value". */
+TICKTRUE_API int ticktrue_build_facts(ticktrue_session* session, const char* unit, const char* facts);
+
+/* Registers a column of a table: the values of row r begin at `data` + r * `stride` bytes; `lanes` of them lie side by
+   side (2 for x and y). Stride 0: packed. Register all before the first tick, and again whenever data, rows or stride
+   have changed. The memory is read in begin_tick (the first) and end_tick. */
+TICKTRUE_API int ticktrue_column(ticktrue_session* session, const char* table, const char* name, const void* data,
+                                 int type, uint32_t lanes, uint32_t rows, size_t stride);
+
+/* A column of a table of structs: a member of the struct. TICKTRUE_MEMBER(Ball, position, TICKTRUE_F64) is such a
+   member: an array gives a lane for each value, and `position.x` is a member, too. */
+typedef struct ticktrue_member {
+  const char* name;
+  int32_t type;
+  uint32_t lanes; /* 0: as many as fill `size` */
+  size_t offset;  /* bytes from the begin of the struct */
+  size_t size;    /* bytes; 0: not told */
+} ticktrue_member;
+#ifdef __cplusplus
+#define TICKTRUE_MEMBER(row, member, type) \
+  { #member, (type), 0, offsetof(row, member), sizeof(row::member) }
+#else
+#define TICKTRUE_MEMBER(row, member, type) \
+  { #member, (type), 0, offsetof(row, member), sizeof(((row*)0)->member) }
+#endif
+#define TICKTRUE_NO_TABLE 0xffffffffu
+
+/* Registers a table whose rows are structs of `stride` bytes: all its columns at once, without rows yet. Returns its
+   number (TICKTRUE_NO_TABLE if it is refused, 0 without a session). */
+TICKTRUE_API uint32_t ticktrue_table(ticktrue_session* session, const char* name, size_t stride,
+                                     const ticktrue_member* members, uint32_t member_count);
+/* Says where its rows lie: `rows` structs from `base` on. Again whenever base or rows have changed. No name is looked
+   up. */
+TICKTRUE_API int ticktrue_rows(ticktrue_session* session, uint32_t table, const void* base, uint32_t rows);
+
+/* The first `columns` columns of the table are its key (unsigned integers; rows ascend): rows are compared by key, so
+   that one that is missing is told as such. A table without key is compared by position. */
+TICKTRUE_API int ticktrue_key(ticktrue_session* session, const char* table, uint32_t columns);
+
+/* The column (u32) holds keys of rows of `target`, or 0xffffffff. What differs in such a row is also told of the rows
+   it refers to. */
+TICKTRUE_API int ticktrue_reference(ticktrue_session* session, const char* table, const char* column,
+                                    const char* target);
+
+/* Names for rows, as in "player 2"; `text` has room for `size` bytes with the final zero. */
+typedef void (*ticktrue_namer)(void* user, uint32_t row, char* text, size_t size);
+TICKTRUE_API int ticktrue_row_names(ticktrue_session* session, const char* table, ticktrue_namer namer, void* user);
+
+/* Before the first tick: the stages of a tick, in order. Inside a tick, ticktrue_stage says that one is done. */
+TICKTRUE_API int ticktrue_add_stage(ticktrue_session* session, const char* name);
+TICKTRUE_API int ticktrue_stage(ticktrue_session* session, const char* name);
+
+/* Inputs of the tick that begins next, in any number of pieces. Record: keeps the bytes. Verify: replaces them by the
+   recorded ones, so the same loop serves both; TICKTRUE_END (bytes untouched) when there are no more. */
+TICKTRUE_API int ticktrue_input(ticktrue_session* session, void* data, size_t size);
+
+/* Marks, for what happens in a tick and is not state: a draw of a generator, a call, the size of a list. Of each tick,
+   the trace holds how often each name was marked, and hashes of the values and of the order. A verification compares
+   them: they decide no verdict, and tell where a run first took another way. A mark takes some nanoseconds. `name` has
+   1 to 256 bytes, as in "rand". Outside of a tick, a mark does nothing. Of the thread of the session alone. */
+TICKTRUE_API int ticktrue_mark(ticktrue_session* session, const char* name, uint64_t value);
+/* The same for a double, by its bits. */
+static inline int ticktrue_mark_f64(ticktrue_session* session, const char* name, double value) {
+  union {
+    double number;
+    uint64_t bits;
+  } both;
+  both.number = value;
+  return ticktrue_mark(session, name, both.bits);
+}
+/* A text of the tick that runs, or begins next: what a person wants to know of it later. It is stored with
+   TICKTRUE_MARKS and never compared; a verification ignores it. `topic`: 1 to 64 bytes that do not begin with
+   "ticktrue."; `text`: at most 4096 bytes, more are cut. Inside of a tick it is in the file at once. */
+TICKTRUE_API int ticktrue_note(ticktrue_session* session, const char* topic, const char* text);
+
+/* Begins a tick: its inputs are in the file before it runs. `dt` (s; null: that of the options) is recorded, or
+   replaced by the recorded one. Leave the loop when it does not return TICKTRUE_OK. */
+TICKTRUE_API int ticktrue_begin_tick(ticktrue_session* session, double* dt);
+/* Ends it: the state is hashed and written, or compared with the recorded one. */
+TICKTRUE_API int ticktrue_end_tick(ticktrue_session* session);
+
+/* Rollback: the program has gone back to its state with `tick` ticks done and runs on from there. */
+TICKTRUE_API int ticktrue_rewind(ticktrue_session* session, uint64_t tick);
+/* The first `tick` ticks are final: only such are written and compared. */
+TICKTRUE_API int ticktrue_confirm(ticktrue_session* session, uint64_t tick);
+
+/* Verify, between two ticks: loads the last save of the trace at or before `tick`. The program runs on from there:
+   ticktrue_tick tells where that is. */
+TICKTRUE_API int ticktrue_seek(ticktrue_session* session, uint64_t tick);
+
+/* Ticks done. In a sync test and with TICKTRUE_RESTORE it goes back when the program is brought back: count by it. */
+TICKTRUE_API uint64_t ticktrue_tick(const ticktrue_session* session);
+/* What the last call returned, and would return again. */
+TICKTRUE_API int ticktrue_status(const ticktrue_session* session);
+/* What went wrong; empty if nothing did. */
+TICKTRUE_API const char* ticktrue_message(const ticktrue_session* session);
+
+/* ---- other players of a live game. Bytes travel by the program's own transport. ---- */
+
+/* The root hash of the state after a confirmed tick (without rollback: after a tick that has ended). The last 4,096 are
+   kept. TICKTRUE_END, and `root` as it was: that tick is not confirmed yet, or kept no more, or there is no session. */
+TICKTRUE_API int ticktrue_root(ticktrue_session* session, uint64_t tick, uint64_t* root);
+
+/* Before tick 0, when all is registered: the bytes that tell the other players what this game is (setup, columns,
+   version, build, floats). Returns how many there are, at most 1 MiB, and writes them if they fit into `size`; 0
+   without a session. */
+TICKTRUE_API size_t ticktrue_hello(ticktrue_session* session, void* buffer, size_t size);
+/* The same of another player. TICKTRUE_OK: the two play the same game. TICKTRUE_DIVERGED: they do not. `text` says
+   what differs, a line each (with TICKTRUE_OK: what may matter, as other build ids); null: not wanted. */
+TICKTRUE_API int ticktrue_hello_check(ticktrue_session* session, uint32_t peer, const void* bytes, size_t size,
+                                      char* text, size_t text_size);
+
+/* The root of another player after a tick that is confirmed there; any order, also more than once, also before the
+   tick is confirmed here. TICKTRUE_DIVERGED once a tick is known whose roots differ. The session goes on. */
+TICKTRUE_API int ticktrue_peer_root(ticktrue_session* session, uint32_t peer, uint64_t tick, uint64_t root);
+
+/* The next message for that player that helps to locate a desync, at most `size` bytes (256 or more); 0: none is due.
+   Call it for each packet that is sent anyway, not in a loop: parts are sent again until the other says it has them. */
+TICKTRUE_API size_t ticktrue_desync_message(ticktrue_session* session, uint32_t peer, void* buffer, size_t size);
+/* Such a message of another player. Returns as ticktrue_peer_root does. */
+TICKTRUE_API int ticktrue_desync_receive(ticktrue_session* session, uint32_t peer, const void* bytes, size_t size);
+/* What is known: tick, players, columns, rows, values. Empty: no desync. `complete` (may be null) becomes 1 when the
+   states of all players are compared: then each of them has the same report. ticktrue_report has it, too. */
+TICKTRUE_API const char* ticktrue_desync_report(ticktrue_session* session, int* complete);
+
+/* Closes the trace, or judges the run; returns the tool's exit code: 0 match or recorded, 1 diverged or not finite,
+   2 failed, 3 incomplete, 4 damaged, 5 not comparable. No tick may begin after it. */
+TICKTRUE_API int ticktrue_finish(ticktrue_session* session);
+/* After finish: what `ticktrue verify` would print. */
+TICKTRUE_API const char* ticktrue_report(ticktrue_session* session);
+TICKTRUE_API const char* ticktrue_report_json(ticktrue_session* session);
+/* Finishes, prints the report (stdout) or what went wrong (stderr), frees the session; returns the exit code. A full
+   disk ends a recording and not the session: calls go on to succeed, ticktrue_message and ticktrue_close tell of it,
+   and the exit code is 2. */
+TICKTRUE_API int ticktrue_close(ticktrue_session* session);
+
+/* Of the library: its version, as in "0.1.0", and its TICKTRUE_API_VERSION. */
+TICKTRUE_API const char* ticktrue_version(void);
+TICKTRUE_API uint32_t ticktrue_api_version(void);
+
+/* ---- plug-ins: a simulation that the tool drives (`--plugin lib.so`) --------------------------------------------- */
+
+/* What the tool offers a plug-in. A plug-in need not be linked to the library. */
+typedef struct ticktrue_columns ticktrue_columns;
+typedef struct ticktrue_stages ticktrue_stages;
+typedef struct ticktrue_host {
+  size_t struct_size;
+  uint32_t api_version;
+  /* As ticktrue_column, ticktrue_key and ticktrue_reference. What they refuse is told when `columns` returns. */
+  int (*column)(ticktrue_columns* columns, const char* table, const char* name, void* data, int type, uint32_t lanes,
+                uint32_t rows, size_t stride);
+  int (*key)(ticktrue_columns* columns, const char* table, uint32_t key_columns);
+  int (*reference)(ticktrue_columns* columns, const char* table, const char* column, const char* target);
+  /* Inside step: the stage with this index is done. */
+  void (*stage_done)(ticktrue_stages* stages, uint32_t stage);
+} ticktrue_host;
+
+/* Functions return 0 for success. `text` has room for `text_size` bytes with the final zero: why it failed, or what was
+   asked for. Optional ones may be null. */
+typedef struct ticktrue_plugin {
+  size_t struct_size;        /* sizeof(ticktrue_plugin) */
+  uint32_t api_version;      /* TICKTRUE_API_VERSION */
+  uint32_t version;          /* as in ticktrue_options */
+  const char* name;          /* as in ticktrue_options */
+  const char* const* stages; /* names, in order; may be null */
+  uint32_t stage_count;
+  uint32_t flags; /* 0 */
+  int (*create)(const ticktrue_host* host, const void* setup, size_t setup_size, void** simulation, char* text,
+                size_t text_size);
+  void (*destroy)(void* simulation);
+  /* Registers every column. Called after create, step and load: data, rows and stride may differ, the rest may not. */
+  int (*columns)(void* simulation, const ticktrue_host* host, ticktrue_columns* columns);
+  /* Advances one tick. */
+  int (*step)(void* simulation, double dt, const void* inputs, size_t inputs_size, const ticktrue_host* host,
+              ticktrue_stages* stages, char* text, size_t text_size);
+  /* Optional: whether step may be given these inputs. Without it, all are taken. */
+  int (*accept)(void* simulation, double dt, const void* inputs, size_t inputs_size, char* text, size_t text_size);
+  /* Optional: makes room for so many rows, since values will be written to where `columns` says. Without it, a state
+     with other row counts cannot be loaded. */
+  int (*resize)(void* simulation, const char* table, uint32_t rows);
+  /* Optional: every value was written; rebuild what derives from it. Without it, the state can only be observed:
+     verification then always starts at tick 0. */
+  int (*loaded)(void* simulation, char* text, size_t text_size);
+  /* Optional: what a person would call the row. */
+  int (*row_name)(void* simulation, const char* table, uint32_t row, char* text, size_t text_size);
+  /* Optional: the inputs of a tick for people, one JSON object a line. */
+  int (*inputs_text)(void* simulation, uint64_t tick, const void* inputs, size_t inputs_size, char* text,
+                     size_t text_size);
+} ticktrue_plugin;
+
+/* The one function a plug-in exports: TICKTRUE_PLUGIN_API const ticktrue_plugin* ticktrue_plugin_entry(uint32_t v).
+   It is told the tool's TICKTRUE_API_VERSION and returns null if that is too old for it. */
+typedef const ticktrue_plugin* (*ticktrue_plugin_entry_function)(uint32_t api_version);
+TICKTRUE_PLUGIN_API const ticktrue_plugin* ticktrue_plugin_entry(uint32_t api_version);
+
+/* ---- facts about the build of the program ------------------------------------------------------------------------ */
+
+/* How the unit that includes this header is compiled: for caller_facts of the options, and for ticktrue_build_facts.
+   One "name=value" a line. The compiler's flags are among them where TICKTRUE_UNIT_FLAGS is defined as a string. */
+#define TICKTRUE_CALLER_FACTS (ticktrue_unit_facts())
+
+#define TICKTRUE_TEXT_OF(x) #x
+#define TICKTRUE_TEXT(x) TICKTRUE_TEXT_OF(x)
+#define TICKTRUE_TEXT3(a, b, c) TICKTRUE_TEXT(a) "." TICKTRUE_TEXT(b) "." TICKTRUE_TEXT(c)
+
+#if defined(__INTEL_LLVM_COMPILER)
+#define TICKTRUE_FACT_COMPILER "intel " TICKTRUE_TEXT(__INTEL_LLVM_COMPILER)
+#elif defined(__INTEL_COMPILER)
+#define TICKTRUE_FACT_COMPILER "intel classic " TICKTRUE_TEXT(__INTEL_COMPILER)
+#elif defined(__apple_build_version__)
+#define TICKTRUE_FACT_COMPILER "apple clang " TICKTRUE_TEXT3(__clang_major__, __clang_minor__, __clang_patchlevel__)
+#elif defined(__clang__)
+#define TICKTRUE_FACT_COMPILER "clang " TICKTRUE_TEXT3(__clang_major__, __clang_minor__, __clang_patchlevel__)
+#elif defined(__GNUC__)
+#define TICKTRUE_FACT_COMPILER "gcc " TICKTRUE_TEXT3(__GNUC__, __GNUC_MINOR__, __GNUC_PATCHLEVEL__)
+#elif defined(_MSC_VER)
+#define TICKTRUE_FACT_COMPILER "msvc " TICKTRUE_TEXT(_MSC_FULL_VER)
+#else
+#define TICKTRUE_FACT_COMPILER "not known"
+#endif
+
+#if defined(_MSVC_LANG)
+#define TICKTRUE_FACT_CXX _MSVC_LANG
+#elif defined(__cplusplus)
+#define TICKTRUE_FACT_CXX __cplusplus
+#else
+#define TICKTRUE_FACT_CXX 0
+#endif
+#if TICKTRUE_FACT_CXX > 202002L
+#define TICKTRUE_FACT_LANGUAGE "c++23"
+#elif TICKTRUE_FACT_CXX > 201703L
+#define TICKTRUE_FACT_LANGUAGE "c++20"
+#elif TICKTRUE_FACT_CXX > 201402L
+#define TICKTRUE_FACT_LANGUAGE "c++17"
+#elif TICKTRUE_FACT_CXX > 201103L
+#define TICKTRUE_FACT_LANGUAGE "c++14"
+#elif TICKTRUE_FACT_CXX > 199711L
+#define TICKTRUE_FACT_LANGUAGE "c++11"
+#elif TICKTRUE_FACT_CXX > 0
+#define TICKTRUE_FACT_LANGUAGE "c++98"
+#elif !defined(__STDC_VERSION__)
+#define TICKTRUE_FACT_LANGUAGE "c"
+#elif __STDC_VERSION__ > 201710L
+#define TICKTRUE_FACT_LANGUAGE "c23"
+#elif __STDC_VERSION__ > 201112L
+#define TICKTRUE_FACT_LANGUAGE "c17"
+#elif __STDC_VERSION__ > 199901L
+#define TICKTRUE_FACT_LANGUAGE "c11"
+#else
+#define TICKTRUE_FACT_LANGUAGE "c99"
+#endif
+
+#if defined(__OPTIMIZE_SIZE__)
+#define TICKTRUE_FACT_OPTIMIZE "size"
+#elif defined(__OPTIMIZE__)
+#define TICKTRUE_FACT_OPTIMIZE "speed"
+#elif defined(__GNUC__) || defined(__clang__)
+#define TICKTRUE_FACT_OPTIMIZE "no"
+#else
+#define TICKTRUE_FACT_OPTIMIZE "not known"
+#endif
+
+#if defined(__FAST_MATH__) || defined(_M_FP_FAST)
+#define TICKTRUE_FACT_FAST_MATH "yes"
+#else
+#define TICKTRUE_FACT_FAST_MATH "no"
+#endif
+#if defined(_M_FP_FAST)
+#define TICKTRUE_FACT_FINITE_MATH "yes"
+#elif !defined(__FINITE_MATH_ONLY__)
+#define TICKTRUE_FACT_FINITE_MATH "no"
+#elif __FINITE_MATH_ONLY__ > 0
+#define TICKTRUE_FACT_FINITE_MATH "yes"
+#else
+#define TICKTRUE_FACT_FINITE_MATH "no"
+#endif
+/* Parts of fast_math that can be on alone; not every compiler tells them. */
+#if defined(__ASSOCIATIVE_MATH__) || defined(__RECIPROCAL_MATH__) || defined(__NO_SIGNED_ZEROS__)
+#define TICKTRUE_FACT_UNSAFE_MATH "yes"
+#else
+#define TICKTRUE_FACT_UNSAFE_MATH TICKTRUE_FACT_FAST_MATH
+#endif
+
+/* Whether the unit may use instructions that round once for a product and a sum. */
+#if defined(__FMA__) || defined(__FMA4__) || defined(__ARM_FEATURE_FMA) || defined(__aarch64__) || \
+    defined(_M_ARM64) || defined(__powerpc__) || defined(__s390x__) || defined(__riscv_flen) ||    \
+    (defined(_MSC_VER) && defined(__AVX2__))
+#define TICKTRUE_FACT_FMA "yes"
+#else
+#define TICKTRUE_FACT_FMA "no"
+#endif
+
+#if !defined(FLT_EVAL_METHOD)
+#define TICKTRUE_FACT_FLT_EVAL_METHOD "not known"
+#elif FLT_EVAL_METHOD == 0
+#define TICKTRUE_FACT_FLT_EVAL_METHOD "0"
+#elif FLT_EVAL_METHOD == 1
+#define TICKTRUE_FACT_FLT_EVAL_METHOD "1"
+#elif FLT_EVAL_METHOD == 2
+#define TICKTRUE_FACT_FLT_EVAL_METHOD "2"
+#else
+#define TICKTRUE_FACT_FLT_EVAL_METHOD "other"
+#endif
+
+#if defined(__AVX512F__)
+#define TICKTRUE_FACT_SIMD "avx512f"
+#elif defined(__AVX2__)
+#define TICKTRUE_FACT_SIMD "avx2"
+#elif defined(__AVX__)
+#define TICKTRUE_FACT_SIMD "avx"
+#elif defined(__SSE4_1__)
+#define TICKTRUE_FACT_SIMD "sse4.1"
+#elif defined(__SSE2__) || defined(_M_X64)
+#define TICKTRUE_FACT_SIMD "sse2"
+#elif defined(__ARM_FEATURE_SVE)
+#define TICKTRUE_FACT_SIMD "sve"
+#elif defined(__ARM_NEON) || defined(_M_ARM64)
+#define TICKTRUE_FACT_SIMD "neon"
+#elif defined(__VSX__)
+#define TICKTRUE_FACT_SIMD "vsx"
+#elif defined(__riscv_vector)
+#define TICKTRUE_FACT_SIMD "v"
+#elif defined(__wasm_simd128__)
+#define TICKTRUE_FACT_SIMD "simd128"
+#elif defined(_M_IX86_FP)
+#if _M_IX86_FP > 1
+#define TICKTRUE_FACT_SIMD "sse2"
+#else
+#define TICKTRUE_FACT_SIMD "none"
+#endif
+#else
+#define TICKTRUE_FACT_SIMD "none"
+#endif
+
+#if CHAR_MIN < 0
+#define TICKTRUE_FACT_CHAR "signed"
+#else
+#define TICKTRUE_FACT_CHAR "unsigned"
+#endif
+#if LONG_MAX > 2147483647L
+#define TICKTRUE_FACT_LONG "64"
+#else
+#define TICKTRUE_FACT_LONG "32"
+#endif
+#if UINTPTR_MAX > 4294967295u
+#define TICKTRUE_FACT_POINTER "64"
+#else
+#define TICKTRUE_FACT_POINTER "32"
+#endif
+#if defined(NDEBUG)
+#define TICKTRUE_FACT_NDEBUG "yes"
+#else
+#define TICKTRUE_FACT_NDEBUG "no"
+#endif
+
+#if defined(__x86_64__) || defined(_M_X64)
+#define TICKTRUE_FACT_MACHINE "x86_64"
+#elif defined(__i386__) || defined(_M_IX86)
+#define TICKTRUE_FACT_MACHINE "i386"
+#elif defined(__aarch64__) || defined(_M_ARM64)
+#define TICKTRUE_FACT_MACHINE "aarch64"
+#elif defined(__arm__) || defined(_M_ARM)
+#define TICKTRUE_FACT_MACHINE "arm"
+#elif defined(__riscv)
+#define TICKTRUE_FACT_MACHINE "riscv"
+#elif defined(__s390x__)
+#define TICKTRUE_FACT_MACHINE "s390x"
+#elif defined(__powerpc__)
+#define TICKTRUE_FACT_MACHINE "ppc"
+#elif defined(__wasm__)
+#define TICKTRUE_FACT_MACHINE "wasm"
+#else
+#define TICKTRUE_FACT_MACHINE "other"
+#endif
+#if defined(_WIN32)
+#define TICKTRUE_FACT_SYSTEM "windows"
+#elif defined(__APPLE__)
+#define TICKTRUE_FACT_SYSTEM "apple"
+#elif defined(__ANDROID__)
+#define TICKTRUE_FACT_SYSTEM "android"
+#elif defined(__linux__)
+#define TICKTRUE_FACT_SYSTEM "linux"
+#elif defined(__EMSCRIPTEN__)
+#define TICKTRUE_FACT_SYSTEM "emscripten"
+#else
+#define TICKTRUE_FACT_SYSTEM "other"
+#endif
+
+#if defined(TICKTRUE_UNIT_FLAGS)
+#define TICKTRUE_FACT_FLAGS "\nflags=" TICKTRUE_UNIT_FLAGS
+#else
+#define TICKTRUE_FACT_FLAGS ""
+#endif
+
+#define TICKTRUE_FACTS_HEAD                                                                                    \
+  "compiler=" TICKTRUE_FACT_COMPILER "\nlanguage=" TICKTRUE_FACT_LANGUAGE "\noptimize=" TICKTRUE_FACT_OPTIMIZE \
+  "\nfused="
+#define TICKTRUE_FACTS_TAIL                                                                                         \
+  "\nfast_math=" TICKTRUE_FACT_FAST_MATH "\nfinite_math=" TICKTRUE_FACT_FINITE_MATH                                 \
+  "\nunsafe_math=" TICKTRUE_FACT_UNSAFE_MATH "\nflt_eval_method=" TICKTRUE_FACT_FLT_EVAL_METHOD                     \
+  "\nfma=" TICKTRUE_FACT_FMA "\nsimd=" TICKTRUE_FACT_SIMD "\nchar=" TICKTRUE_FACT_CHAR "\nlong=" TICKTRUE_FACT_LONG \
+  "\npointer=" TICKTRUE_FACT_POINTER "\nndebug=" TICKTRUE_FACT_NDEBUG "\ntarget=" TICKTRUE_FACT_MACHINE             \
+  " " TICKTRUE_FACT_SYSTEM TICKTRUE_FACT_FLAGS
+
+static inline const char* ticktrue_unit_facts(void) {
+  /* Rounded, the product is 1 + 2^-39, also with the 64 bits of x87. Fused with the difference, 2^-80 is left. */
+  volatile double factor = 1.0 + 1.0 / 1099511627776.0;
+  volatile double rounded = 1.0 + 2.0 / 1099511627776.0;
+  volatile double rest = 0.0;
+  const double a = factor;
+  const double b = factor;
+  const double c = rounded;
+  rest = a * b - c;
+  return rest > 0.0 ? TICKTRUE_FACTS_HEAD "yes" TICKTRUE_FACTS_TAIL : TICKTRUE_FACTS_HEAD "no" TICKTRUE_FACTS_TAIL;
+}
+
+#undef TICKTRUE_TEXT_OF
+#undef TICKTRUE_TEXT
+#undef TICKTRUE_TEXT3
+#undef TICKTRUE_FACTS_HEAD
+#undef TICKTRUE_FACTS_TAIL
+#undef TICKTRUE_FACT_COMPILER
+#undef TICKTRUE_FACT_CXX
+#undef TICKTRUE_FACT_LANGUAGE
+#undef TICKTRUE_FACT_OPTIMIZE
+#undef TICKTRUE_FACT_FAST_MATH
+#undef TICKTRUE_FACT_FINITE_MATH
+#undef TICKTRUE_FACT_UNSAFE_MATH
+#undef TICKTRUE_FACT_FMA
+#undef TICKTRUE_FACT_FLT_EVAL_METHOD
+#undef TICKTRUE_FACT_SIMD
+#undef TICKTRUE_FACT_CHAR
+#undef TICKTRUE_FACT_LONG
+#undef TICKTRUE_FACT_POINTER
+#undef TICKTRUE_FACT_NDEBUG
+#undef TICKTRUE_FACT_MACHINE
+#undef TICKTRUE_FACT_SYSTEM
+#undef TICKTRUE_FACT_FLAGS
+
+#ifdef __cplusplus
+}
+#endif
