@@ -1,5 +1,5 @@
-// The cross-check: one scene in a peer (Box2D 2.4.1 or Box2D 3) and in the engine, compared by outcome and not by
-// poses. SPDX-License-Identifier: MIT
+// The cross-check: one scene in a peer and in the engine, compared by outcome and not by poses.
+// SPDX-License-Identifier: MIT
 //
 // Verified: whether structures stand, fall, hold or slide alike; their height and order; when they come to rest; the
 // depth of overlaps; whether contact forces carry the weights. Each is verified over an ensemble of jittered starts.
