@@ -242,6 +242,13 @@ verifier::CrosscheckOptions options_of(const CrosscheckCommand& command) {
   return options;
 }
 
+/// Before anything runs: a peer that is not available here. Errors: those of its version.
+Status check_available(const std::vector<PeerKind>& kinds) {
+  for (const PeerKind kind : kinds)
+    if (const Result<std::string> version = peer_info(kind).version(); !version) return version.error();
+  return {};
+}
+
 // ---- The suite ----
 
 struct SuiteRow {
@@ -448,6 +455,7 @@ int run_suite(const CrosscheckCommand& command) {
   verifier::CrosscheckOptions options = options_of(command);
   options.match_skin = true;
   const std::vector<PeerKind> kinds = peers_of(command);
+  if (const Status available = check_available(kinds); !available) return fail_usage(available.error());
   std::vector<SuiteRow> rows;
   Progress progress("crosscheck", scenes.size() * kinds.size(), "scenes");
   for (const PeerKind kind : kinds) {
@@ -490,8 +498,10 @@ int run_crosscheck(const CrosscheckCommand& command) {
     total_shown = total;
     progress->update(done);
   };
+  const std::vector<PeerKind> kinds = peers_of(command);
+  if (const Status available = check_available(kinds); !available) return fail_usage(available.error());
   std::vector<CrosscheckReport> reports;
-  for (const PeerKind kind : peers_of(command)) {
+  for (const PeerKind kind : kinds) {
     options.peer = kind;
     Result<CrosscheckReport> report = verifier::crosscheck(*scene, options);
     progress.reset();
