@@ -32,6 +32,7 @@ std::string box2d_version() {
 #include "tool/box2d/box2d_joints.h"
 #include "tool/box2d/box2d_shapes.h"
 #include "tool/box2d/box2d_units.h"
+#include "tool/box2d/length_scale.h"
 
 namespace ticktrue::verifier {
 namespace {
@@ -42,32 +43,6 @@ using engine::ContactReport;
 using engine::MixRule;
 using engine::Point;
 using engine::Shape;
-
-// Box2D is tuned for moving bodies of 0.1 m to 10 m: slop 5 mm, skin 1 cm, bounce threshold 1 m/s.
-constexpr double tuned_size_min_m = 0.1;
-constexpr double tuned_size_max_m = 10;
-constexpr double coordinate_max_m = 2e4;  // a float resolves 2 mm here, but not half of Box2D's slop
-
-// Brings the size of the median moving body into the range that Box2D is tuned for. The scale is a power of two, which
-// adds no rounding.
-double choose_length_scale(const engine::Scene& scene) {
-  std::vector<double> extents;
-  for (const engine::Body& body : scene.bodies) {
-    if (body.type != BodyType::dynamic_body) continue;
-    double extent = 0;
-    for (const Shape& shape : body.shapes) extent = std::max(extent, extent_of(shape));
-    extents.push_back(extent);
-  }
-  if (extents.empty()) return 1;
-  std::nth_element(extents.begin(), extents.begin() + static_cast<std::ptrdiff_t>(extents.size() / 2), extents.end());
-  const double median = extents[extents.size() / 2];
-  double scale = 1;
-  if (median > tuned_size_max_m)
-    while (median * scale > 2) scale /= 2;
-  if (median < tuned_size_min_m)
-    while (median * scale < 1) scale *= 2;
-  return scale;
-}
 
 float mix(MixRule rule, float a, float b) {
   switch (rule) {
@@ -245,10 +220,10 @@ class Box2dWorld final : public Box2dPeer {
     const engine::Body& description = scene_.bodies[index];
     const std::string place = fmt::format("{}: /bodies/{}", scene_.name, index);
     const double reach = std::max(std::fabs(description.position.x), std::fabs(description.position.y)) * units_.scale;
-    if (reach > coordinate_max_m)
+    if (reach > box2d_coordinate_max_m)
       return Error{ErrorCode::unsupported,
                    fmt::format("{}/position: too far out for Box2D's floats: found {:g} m, expected at most {:g} m",
-                               place, reach / units_.scale, coordinate_max_m / units_.scale),
+                               place, reach / units_.scale, box2d_coordinate_max_m / units_.scale),
                    {}};
     const engine::MassProperties mass = engine::body_mass(description);
 

@@ -14,6 +14,7 @@
 
 #include "engine/math/trig.h"
 #include "engine/scene/hull.h"
+#include "tool/box2d/length_scale.h"
 
 namespace ticktrue::verifier {
 namespace {
@@ -94,24 +95,6 @@ bool is_thin(const engine::Body& description, const Shape& shape, const Box2dUni
   const bool has_skin = shape.kind == ShapeKind::box || shape.kind == ShapeKind::polygon;
   return description.type == BodyType::dynamic_body && has_skin && !shape.sensor &&
          thickness_of(shape, hull_of(shape)) * units.scale < thickness_min_m;
-}
-
-double extent_of(const Shape& shape) {
-  switch (shape.kind) {
-    case ShapeKind::circle:
-      return 2 * shape.radius;
-    case ShapeKind::box:
-      return 2 * std::sqrt(shape.half_size.x * shape.half_size.x + shape.half_size.y * shape.half_size.y);
-    case ShapeKind::polygon:
-    case ShapeKind::capsule:
-    case ShapeKind::segment:
-    case ShapeKind::chain:
-      break;
-  }
-  double extent = 0;
-  for (const Point& a : shape.vertices)
-    for (const Point& b : shape.vertices) extent = std::max(extent, std::hypot(a.x - b.x, a.y - b.y));
-  return extent;
 }
 
 Status add_box2d_shape(b2Body* body, const engine::Body& description, const Shape& shape, double restitution_threshold,

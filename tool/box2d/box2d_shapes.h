@@ -10,9 +10,6 @@
 
 namespace ticktrue::verifier {
 
-/// The largest extent of a shape: twice its bounding radius about its own centre.
-double extent_of(const engine::Shape& shape);
-
 /// Whether a shape of a dynamic body is so thin that its skin would dominate. A thin shape gets the skin of
 /// Box2dOptions::match_skin.
 bool is_thin(const engine::Body& description, const engine::Shape& shape, const Box2dUnits& units);

@@ -40,11 +40,11 @@ double jitter_of(std::uint32_t seed, std::uint64_t place) {
   return static_cast<double>(z >> 11) * 0x1p-52 - 1;
 }
 
-// One run: of the engine with a solver, or of Box2D.
+// One run: of the engine with a solver, or of the peer.
 struct Job {
   Scene scene;
-  bool is_box2d = false;
-  Box2dOptions box2d;
+  bool is_peer = false;
+  int steps_per_tick = 1;  // of the peer
 };
 
 struct Outcome {
@@ -81,13 +81,15 @@ class Runner {
   Result<Outcome> run_job(const Job& job) {
     const engine::Settings& settings = job.scene.settings;
     Outcome outcome;
-    if (job.is_box2d) {
-      Result<std::unique_ptr<Box2dPeer>> peer = make_box2d_peer(job.scene, job.box2d);
+    if (job.is_peer) {
+      const PeerInfo& info = engine::info_of(peers, options_.peer);
+      const PeerRun run{job.steps_per_tick, options_.match_skin, tick_count_, window_of(settings.dt), contact_stride};
+      Result<std::unique_ptr<Box2dPeer>> peer = info.make(job.scene, run);
       if (!peer) return peer.error();
       outcome.skin = (*peer)->skin();
       outcome.length_scale = (*peer)->length_scale();
       outcome.thin_shape_count = (*peer)->thin_shape_count();
-      CrosscheckMeasure measure(layout_, 0, outcome.skin);
+      CrosscheckMeasure measure(layout_, info.contact_hertz(settings.dt / job.steps_per_tick), outcome.skin);
       watch(**peer, settings.dt, measure, [&] {
         (*peer)->step();
         return true;
@@ -112,10 +114,15 @@ class Runner {
     return outcome;
   }
 
+  // Ticks before the end in which contacts are averaged.
+  static std::uint64_t window_of(double dt) {
+    return std::max<std::uint64_t>(1, static_cast<std::uint64_t>(contact_window_s / dt));
+  }
+
   // Steps the world and measures it: bodies after every tick, contacts at intervals in the last second.
   template <typename World, typename Step>
   void watch(const World& world, double dt, CrosscheckMeasure& measure, Step step) {
-    const std::uint64_t window = std::max<std::uint64_t>(1, static_cast<std::uint64_t>(contact_window_s / dt));
+    const std::uint64_t window = window_of(dt);
     for (std::uint64_t tick = 1; tick <= tick_count_; ++tick) {
       if (!step()) return;
       const std::uint64_t left = tick_count_ - tick;
@@ -244,9 +251,8 @@ CrosscheckReport report_not_applicable(CrosscheckReport report, const std::vecto
 /// Ensembles of one scene. Ensembles with smaller steps, of Box2D or of the engine, run when they are first needed.
 class Comparison {
  public:
-  Comparison(const CrosscheckLayout& layout, const std::vector<Scene>& starts, const Box2dOptions& box2d_options,
-             Runner& runner)
-      : layout_(layout), starts_(starts), box2d_options_(box2d_options), runner_(runner) {}
+  Comparison(const CrosscheckLayout& layout, const std::vector<Scene>& starts, Runner& runner)
+      : layout_(layout), starts_(starts), runner_(runner) {}
 
   /// The rows of a solver. `ours`, `box2d`: the ensembles with the settings of the scene.
   Result<std::vector<CriterionResult>> judge(SolverKind solver, const std::vector<CrosscheckRun>& ours,
@@ -314,10 +320,8 @@ class Comparison {
   }
 
   Result<const std::vector<CrosscheckRun>*> box2d_finer(std::size_t level) {
-    Box2dOptions options = box2d_options_;
-    options.steps_per_tick = finer_steps_per_tick[level];
     std::vector<Job> jobs;
-    for (const Scene& start : starts_) jobs.push_back({start, true, options});
+    for (const Scene& start : starts_) jobs.push_back({start, true, finer_steps_per_tick[level]});
     return run_once(jobs, finer_[level]);
   }
 
@@ -328,7 +332,7 @@ class Comparison {
     const int factor = own_substep_factors[level];
     std::vector<Job> jobs;
     for (const Scene& start : starts_) {
-      jobs.push_back({scene_with_solver(start, solver), false, {}});
+      jobs.push_back({scene_with_solver(start, solver)});
       engine::Settings& settings = jobs.back().scene.settings;
       settings.substeps = std::min(factor * settings.substeps, limits::substep_count_max);
       if (settings.auto_substeps)  // errors fall with the square of the substeps
@@ -349,7 +353,6 @@ class Comparison {
 
   const CrosscheckLayout& layout_;
   const std::vector<Scene>& starts_;
-  const Box2dOptions& box2d_options_;
   Runner& runner_;
   std::array<std::vector<CrosscheckRun>, finer_steps_per_tick.size()> finer_;     // empty: not run yet
   std::array<std::vector<CrosscheckRun>, own_substep_factors.size()> own_finer_;  // of the solver `own_finer_of_`
@@ -419,7 +422,9 @@ Scene scene_with_solver(const Scene& scene, SolverKind solver) {
 }
 
 Result<CrosscheckReport> crosscheck(const Scene& scene, const CrosscheckOptions& options) {
-  if (box2d_version().empty()) return make_box2d_peer(scene).error();
+  const PeerInfo& peer = engine::info_of(peers, options.peer);
+  const Result<std::string> version = peer.version();
+  if (!version) return version.error();
   if (options.seed_count < 1 || options.seed_count > 1000)
     return Error{ErrorCode::usage, fmt::format("seeds: found {}, expected 1 to 1000", options.seed_count), {}};
   const double ticks = std::ceil(options.seconds / scene.settings.dt - 1e-9);
@@ -433,9 +438,12 @@ Result<CrosscheckReport> crosscheck(const Scene& scene, const CrosscheckOptions&
   if (solvers.empty()) solvers.push_back(scene.settings.solver);
   CrosscheckReport report;
   report.scene = scene.name;
-  report.box2d_version = box2d_version();
-  report.velocity_iterations = Box2dOptions{}.velocity_iterations;
-  report.position_iterations = Box2dOptions{}.position_iterations;
+  report.peer = options.peer;
+  report.box2d_version = *version;
+  if (options.peer == PeerKind::box2d2) {
+    report.velocity_iterations = Box2dOptions{}.velocity_iterations;
+    report.position_iterations = Box2dOptions{}.position_iterations;
+  }
   report.match_skin = options.match_skin;
   report.seed_count = options.seed_count;
   report.tick_count = static_cast<std::uint64_t>(ticks);
@@ -455,17 +463,17 @@ Result<CrosscheckReport> crosscheck(const Scene& scene, const CrosscheckOptions&
       return made.error();
   }
   solvers = std::move(fitting);
-  if (Result<std::unique_ptr<Box2dPeer>> peer = make_box2d_peer(scene); !peer)
-    return report_not_applicable(report, solvers, peer.error().message);
+  if (Result<std::unique_ptr<Box2dPeer>> made = peer.make(scene, {}); !made) {
+    if (made.error().code != ErrorCode::unsupported) return made.error();
+    return report_not_applicable(report, solvers, made.error().message);
+  }
 
   std::vector<Scene> starts;
   for (std::uint32_t seed = 0; seed < options.seed_count; ++seed) starts.push_back(jittered_scene(scene, layout, seed));
   std::vector<Job> jobs;
-  Box2dOptions box2d_options;
-  box2d_options.match_skin = options.match_skin;
-  for (const Scene& start : starts) jobs.push_back({start, true, box2d_options});
+  for (const Scene& start : starts) jobs.push_back({start, true});
   for (const SolverKind kind : solvers)
-    for (const Scene& start : starts) jobs.push_back({scene_with_solver(start, kind), false, {}});
+    for (const Scene& start : starts) jobs.push_back({scene_with_solver(start, kind)});
   Runner runner(layout, report.tick_count, options);
   runner.expect_jobs(jobs.size());
   Result<std::vector<Outcome>> outcomes = runner.run(jobs);
@@ -479,13 +487,13 @@ Result<CrosscheckReport> crosscheck(const Scene& scene, const CrosscheckOptions&
     if (outcome.clamped_tick > 0) clamped_tick = std::min(clamped_tick, outcome.clamped_tick);
   if (clamped_tick != std::numeric_limits<std::size_t>::max())
     return report_not_applicable(report, solvers,
-                                 fmt::format("Box2D cuts movements of over 2 m or 90 degrees a step, first at {:.2f} s",
+                                 fmt::format("Box2D cuts movements of over {}, first at {:.2f} s", peer.cut,
                                              static_cast<double>(clamped_tick) * scene.settings.dt));
 
   const std::vector<CrosscheckRun> box2d = runs_of(*outcomes, 0, starts.size());
   report.is_structure = layout.is_structure;
   report.box2d_stood = stood_count(box2d);
-  Comparison comparison(layout, starts, box2d_options, runner);
+  Comparison comparison(layout, starts, runner);
   for (std::size_t i = 0; i < solvers.size(); ++i) {
     const std::string name{engine::info_of(engine::solvers, solvers[i]).name};
     const std::vector<CrosscheckRun> ours = runs_of(*outcomes, (i + 1) * starts.size(), starts.size());

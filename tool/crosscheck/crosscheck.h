@@ -1,4 +1,4 @@
-// The cross-check: one scene in Box2D 2.4.1 and in the engine, compared by outcome and not by poses.
+// The cross-check: one scene in a peer and in the engine, compared by outcome and not by poses.
 // SPDX-License-Identifier: MIT
 //
 // Verified: whether structures stand, fall, hold or slide alike; their height and order; when they come to rest; the
@@ -17,6 +17,7 @@
 #include "base/result.h"
 #include "engine/engine.h"
 #include "engine/scene/scene.h"
+#include "tool/crosscheck/peers.h"
 
 namespace ticktrue::verifier {
 
@@ -191,6 +192,7 @@ struct CrosscheckOptions {
   std::uint32_t seed_count = 5;             // seed 0 starts exactly at the poses of the scene
   double seconds = 20;
   bool match_skin = false;  // Box2D's polygons rest with their geometry in contact, not a skin apart
+  PeerKind peer = PeerKind::box2d2;
   unsigned thread_count = 1;
   std::function<void(std::uint64_t done, std::uint64_t total)>
       progress;  // ticks of all runs; called by one thread at a time
@@ -208,8 +210,9 @@ struct CrosscheckSolver {
 
 struct CrosscheckReport {
   std::string scene;
-  std::string box2d_version;
-  int velocity_iterations = 0;
+  PeerKind peer = PeerKind::box2d2;
+  std::string box2d_version;    // of the peer, without "Box2D"
+  int velocity_iterations = 0;  // of box2d2
   int position_iterations = 0;
   double length_scale = 1;
   bool match_skin = false;
@@ -224,7 +227,8 @@ struct CrosscheckReport {
 };
 
 /// Compares the scene in both engines. Errors: those of make_engine; unsupported (a build without Box2D); usage (seeds
-/// or seconds out of range). If Box2D does not support the scene, the report has one row, not_applicable.
+/// or seconds out of range, no node or no package for Box2D 3); those of a run of Box2D 3. If the peer does not support
+/// the scene, the report has one row, not_applicable.
 Result<CrosscheckReport> crosscheck(const engine::Scene& scene, const CrosscheckOptions& options);
 
 /// The scene with each dynamic body shifted across gravity by up to 1 mm per metre of the body's size. Without gravity,

@@ -1,4 +1,4 @@
-// Error against run time beside Box2D 2.4.1, on four scenes whose ideal geometry is known.
+// Error against run time beside Box2D, on four scenes whose ideal geometry is known.
 // SPDX-License-Identifier: MIT
 #include "tool/study/peer_curves.h"
 
@@ -6,8 +6,10 @@
 #include <cmath>
 #include <cstdio>
 #include <iterator>
+#include <optional>
 
 #include "tool/box2d/box2d_peer.h"
+#include "tool/box2d3/box2d3_peer.h"
 #include "tool/study/worlds.h"
 
 namespace ticktrue::verifier {
@@ -90,14 +92,31 @@ Result<PeerErrors> run_once(const PeerScene& scene, double skin, double& time_ms
 }
 
 struct PeerSetting {
-  bool is_peer = false;
-  int substeps = 0;
+  std::optional<PeerKind> peer;  // nothing: this engine
+  int substeps = 0;              // of this engine and of Box2D 3
   int velocity_iterations = 0;
   int position_iterations = 0;
 };
 
 Result<PeerErrors> run_setting(const PeerScene& scene, const PeerSetting& setting, double& time_ms) {
-  if (setting.is_peer) {
+  if (setting.peer == PeerKind::box2d3) {
+    Box2d3Plan plan;
+    plan.tick_count = tick_count;
+    plan.body_interval = sample_interval;
+    plan.warm_up = true;
+    Box2d3Options options;
+    options.substeps = setting.substeps;
+    auto peer = make_box2d3_peer(scene.scene, options, plan);
+    if (!peer) return peer.error();
+    const auto step = [&] {
+      (*peer)->step();
+      return Status();
+    };
+    Result<PeerErrors> errors = run_once(scene, (*peer)->skin(), time_ms, step, [&] { return (*peer)->bodies(); });
+    time_ms = (*peer)->ms_per_tick();  // the run itself: above it was only played back
+    return errors;
+  }
+  if (setting.peer == PeerKind::box2d2) {
     Box2dOptions options;
     options.velocity_iterations = setting.velocity_iterations;
     options.position_iterations = setting.position_iterations;
@@ -119,18 +138,43 @@ Result<PeerErrors> run_setting(const PeerScene& scene, const PeerSetting& settin
 }
 
 std::string setting_name(const PeerSetting& setting) {
-  return setting.is_peer
+  return setting.peer == PeerKind::box2d2
              ? std::to_string(setting.velocity_iterations) + "/" + std::to_string(setting.position_iterations) + " it"
              : std::to_string(setting.substeps) + " sub";
 }
 
-std::vector<PeerSetting> peer_settings() {
+std::vector<PeerSetting> peer_settings(const std::vector<PeerKind>& kinds) {
+  // All sweeps have the same density of points.
+  constexpr int substep_counts[]{1, 2, 3, 4, 6, 8, 12, 16, 24, 32, 48, 64, 96, 128};
   std::vector<PeerSetting> all;
-  // Both sweeps have the same density of points.
-  for (const int substeps : {1, 2, 3, 4, 6, 8, 12, 16, 24, 32, 48, 64, 96, 128}) all.push_back({false, substeps, 0, 0});
-  for (const int velocity : {4, 6, 8, 12, 16, 24, 32, 48, 64, 96, 128, 192, 256})
-    all.push_back({true, 0, velocity, (3 * velocity + 4) / 8});  // the ratio that Box2D recommends, 8 to 3
+  for (const int substeps : substep_counts) all.push_back({{}, substeps, 0, 0});
+  for (const PeerKind kind : kinds) {
+    if (kind == PeerKind::box2d3) {
+      for (const int substeps : substep_counts) all.push_back({kind, substeps, 0, 0});
+      continue;
+    }
+    for (const int velocity : {4, 6, 8, 12, 16, 24, 32, 48, 64, 96, 128, 192, 256})
+      all.push_back({kind, 0, velocity, (3 * velocity + 4) / 8});  // the ratio that Box2D recommends, 8 to 3
+  }
   return all;
+}
+
+// Errors at equal substeps. Nothing is judged: the times of WebAssembly are not comparable with native ones.
+void conclude_without_time(PeerCurves& curves) {
+  curves.is_judged = false;
+  const PeerPoint* theirs = best_within(curves.box2d, HUGE_VAL);
+  const PeerPoint* ours = theirs ? find_setting(curves.ours, theirs->setting) : nullptr;
+  curves.ratio = ours && theirs->error > 0 ? ours->error / theirs->error : HUGE_VAL;
+  curves.conclusion = "Box2D 3 runs as WebAssembly: its times are not comparable with native ones. ";
+  for (const PeerPoint* point : {theirs, find_setting(curves.box2d, "4 sub"), find_setting(curves.box2d, "8 sub"),
+                                 find_setting(curves.box2d, "16 sub")}) {
+    const PeerPoint* own = point ? find_setting(curves.ours, point->setting) : nullptr;
+    if (!own) continue;
+    char text[160];
+    std::snprintf(text, sizeof text, "%s%s: Box2D 3 %.4g mm, ours %.4g mm", point == theirs ? "Best, " : "; ",
+                  point->setting.c_str(), point->error * 1e3, own->error * 1e3);
+    curves.conclusion += text;
+  }
 }
 
 }  // namespace
@@ -142,7 +186,14 @@ const PeerPoint* best_within(const std::vector<PeerPoint>& points, double time_m
   return best;
 }
 
+const PeerPoint* find_setting(const std::vector<PeerPoint>& points, const std::string& setting) {
+  for (const PeerPoint& point : points)
+    if (point.setting == setting) return &point;
+  return nullptr;
+}
+
 void conclude(PeerCurves& curves) {
+  if (curves.peer == PeerKind::box2d3) return conclude_without_time(curves);
   const PeerPoint* theirs = best_within(curves.box2d, HUGE_VAL);
   const PeerPoint* ours = theirs ? best_within(curves.ours, theirs->time_ms.min) : nullptr;
   curves.ratio = ours && theirs->error > 0 ? ours->error / theirs->error : HUGE_VAL;
@@ -161,7 +212,7 @@ void conclude(PeerCurves& curves) {
 }
 
 Result<std::vector<PeerCurves>> run_peer_curves(
-    const std::vector<std::string>& names, int repeat_max,
+    const std::vector<std::string>& names, const std::vector<PeerKind>& kinds, int repeat_max,
     const std::function<void(std::uint64_t done, std::uint64_t total)>& progress) {
   std::vector<PeerScene> scenes;
   for (PeerScene& scene : peer_scenes())
@@ -173,15 +224,14 @@ Result<std::vector<PeerCurves>> run_peer_curves(
         "accuracy --peer: found a scene it does not have, expected stack_40, stack_ratio_100, hanging_chain or "
         "swinging_chain",
         {}};
-  const std::vector<PeerSetting> all = peer_settings();
+  for (const PeerKind kind : kinds)
+    if (const Result<std::string> version = engine::info_of(peers, kind).version(); !version) return version.error();
+  const std::vector<PeerSetting> all = peer_settings(kinds);
   const int repeat_count = std::max(1, repeat_max);
   std::uint64_t done = 0;
   const std::uint64_t total = scenes.size() * all.size() * static_cast<std::uint64_t>(repeat_count);
   std::vector<PeerCurves> out;
   for (const PeerScene& scene : scenes) {
-    PeerCurves curves;
-    curves.name = scene.name;
-    curves.measure = scene.measure;
     std::vector<std::vector<double>> times(all.size());
     std::vector<PeerErrors> errors(all.size());
     for (int repeat = 0; repeat < repeat_count; ++repeat)
@@ -193,6 +243,7 @@ Result<std::vector<PeerCurves>> run_peer_curves(
         times[i].push_back(time_ms);
         if (progress) progress(++done, total);
       }
+    std::vector<PeerPoint> points;  // by setting
     for (std::size_t i = 0; i < all.size(); ++i) {
       PeerPoint point;
       point.setting = setting_name(all[i]);
@@ -200,16 +251,22 @@ Result<std::vector<PeerCurves>> run_peer_curves(
       point.error_max = errors[i].max;
       point.stands = errors[i].max < 0.5;
       point.time_ms = spread_of(std::move(times[i]));
-      (all[i].is_peer ? curves.box2d : curves.ours).push_back(std::move(point));
+      points.push_back(std::move(point));
     }
-    conclude(curves);
-    out.push_back(std::move(curves));
+    for (const PeerKind kind : kinds) {
+      PeerCurves curves;
+      curves.name = scene.name;
+      curves.peer = kind;
+      curves.measure = scene.measure;
+      for (std::size_t i = 0; i < all.size(); ++i) {
+        if (!all[i].peer) curves.ours.push_back(points[i]);
+        if (all[i].peer == kind) curves.box2d.push_back(points[i]);
+      }
+      conclude(curves);
+      out.push_back(std::move(curves));
+    }
   }
   return out;
-}
-
-std::string peer_version() {
-  return box2d_version();
 }
 
 }  // namespace ticktrue::verifier

@@ -1,10 +1,13 @@
-// Error against run time beside Box2D 2.4.1: this engine over substeps, Box2D over iterations, on four scenes.
+// Error against run time beside Box2D, on four scenes: this engine and Box2D 3 over substeps, Box2D 2.4.1 over
+// iterations.
 // SPDX-License-Identifier: MIT
 //
 // The error is the distance from the ideal geometry, root mean square over the bodies and samples of the measured time.
 // In a chain, the error is the distance between two anchors that should coincide. Box2D keeps polygons up to two skins
-// (0.02 m) apart: in a stack, gaps of at most two skins count as no error. Joints have no skin.
-// Each repeat runs every setting of this engine and then every setting of Box2D, on one thread.
+// (0.02 m) apart in 2.4.1: in a stack, gaps of at most two skins count as no error. Joints have no skin.
+// Box2D 3 has no skin. Each repeat runs every setting of this engine and then every setting of each peer, on one
+// thread. Box2D 3 runs as WebAssembly in node: its times are not comparable with native ones, so errors are compared at
+// equal substeps, and nothing is judged.
 #pragma once
 
 #include <cstdint>
@@ -13,6 +16,7 @@
 #include <vector>
 
 #include "base/result.h"
+#include "tool/crosscheck/peers.h"
 #include "tool/study/measures.h"
 
 namespace ticktrue::verifier {
@@ -27,26 +31,29 @@ struct PeerPoint {
 
 struct PeerCurves {
   std::string name;
+  PeerKind peer = PeerKind::box2d2;
   std::string measure;  // definition of the error, and when samples are taken
   std::vector<PeerPoint> ours;
   std::vector<PeerPoint> box2d;
-  double ratio = 0;    // the best error here within the time of Box2D's best point, over the error of that point
-  bool holds = false;  // ratio is at most 0.5
+  double ratio = 0;       // the best error here within the time of Box2D's best point, over the error of that point
+  bool is_judged = true;  // false: the times of the peer are not comparable; ratio is that of equal substeps
+  bool holds = false;     // is_judged, and ratio is at most 0.5
   std::string conclusion;
 };
 
 /// The point with the smallest error among the points that take at most `time_ms` (the minimum over repeats). Null if
 /// there is none.
 const PeerPoint* best_within(const std::vector<PeerPoint>& points, double time_ms);
-/// Fills ratio, holds and conclusion.
+/// The point of the setting with this name. Null if there is none.
+const PeerPoint* find_setting(const std::vector<PeerPoint>& points, const std::string& setting);
+/// Fills ratio, is_judged, holds and conclusion.
 void conclude(PeerCurves& curves);
 
 /// The curves of the named scenes; without names, of all four: stack_40, stack_ratio_100, hanging_chain,
-/// swinging_chain. Errors: usage (unknown name), unsupported (a build without Box2D).
+/// swinging_chain. For each scene one entry for each of `kinds`, in this order. Errors: usage (unknown name; no node or
+/// no package for Box2D 3), unsupported (a build without Box2D), those of a run of Box2D 3.
 Result<std::vector<PeerCurves>> run_peer_curves(
-    const std::vector<std::string>& names, int repeat_max,
+    const std::vector<std::string>& names, const std::vector<PeerKind>& kinds, int repeat_max,
     const std::function<void(std::uint64_t done, std::uint64_t total)>& progress);
-
-std::string peer_version();
 
 }  // namespace ticktrue::verifier

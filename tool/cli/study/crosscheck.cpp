@@ -1,4 +1,4 @@
-// `ticktrue crosscheck`: the same scene in Box2D 2.4.1 and in the engine, criterion by criterion.
+// `ticktrue crosscheck`: the same scene in Box2D 2.4.1 or Box2D 3 and in the engine, criterion by criterion.
 // SPDX-License-Identifier: MIT
 #include "tool/crosscheck/crosscheck.h"
 
@@ -11,6 +11,7 @@
 
 #include "base/parallel/jobs.h"
 #include "tool/cli/commands.h"
+#include "tool/crosscheck/peers.h"
 #include "tool/output/json_output.h"
 #include "tool/output/progress.h"
 #include "tool/study/crosscheck_suite.h"
@@ -22,6 +23,7 @@ using verifier::Agreement;
 using verifier::CriterionResult;
 using verifier::CrosscheckReport;
 using verifier::CrosscheckSolver;
+using verifier::PeerKind;
 
 constexpr std::size_t text_width = 116;  // of a line
 
@@ -30,6 +32,7 @@ struct CrosscheckCommand {
   bool suite = false;
   bool match_skin = false;
   std::vector<std::string> solvers;
+  std::vector<std::string> peers;  // none: box2d2
   std::uint64_t seed_count = 5;
   double seconds = 0;              // 0: 20, or what the suite's scene says
   std::uint64_t thread_count = 0;  // 0: as many as there are cores
@@ -93,11 +96,16 @@ std::string row_text(const CriterionResult& row) {
   return text;
 }
 
+const verifier::PeerInfo& peer_info(PeerKind kind) {
+  return engine::info_of(verifier::peers, kind);
+}
+
 std::string report_text(const CrosscheckReport& report) {
-  std::string text = fmt::format("crosscheck  {}  {} seeds of {:g} s ({} ticks), Box2D {} with {}/{} iterations\n",
-                                 report.scene, report.seed_count, report.seconds, report.tick_count,
-                                 report.box2d_version, report.velocity_iterations, report.position_iterations);
-  if (report.match_skin) text += "  Box2D's polygons rest where their geometry touches, not a skin of 2 cm apart\n";
+  std::string text =
+      fmt::format("crosscheck  {}  {} seeds of {:g} s ({} ticks), Box2D {} with {}\n", report.scene, report.seed_count,
+                  report.seconds, report.tick_count, report.box2d_version, peer_info(report.peer).settings);
+  if (report.match_skin && report.peer == PeerKind::box2d2)
+    text += "  Box2D's polygons rest where their geometry touches, not a skin of 2 cm apart\n";
   if (report.length_scale != 1)
     text += fmt::format("  lengths scaled by {:g} for Box2D, which is tuned for bodies of 0.1 m to 10 m\n",
                         report.length_scale);
@@ -121,65 +129,105 @@ Json numbers_json(const std::vector<double>& values) {
   return array;
 }
 
-Json report_json(const CrosscheckReport& report) {
+Json peer_json(const CrosscheckReport& report) {
+  Json peer{{"name", "Box2D"}, {"version", report.box2d_version}};
+  if (report.peer == PeerKind::box2d2) {
+    peer["velocity_iterations"] = report.velocity_iterations;
+    peer["position_iterations"] = report.position_iterations;
+  } else {
+    peer["id"] = peer_info(report.peer).name;
+    peer["settings"] = peer_info(report.peer).settings;
+  }
+  peer["length_scale"] = report.length_scale;
+  peer["match_skin"] = report.match_skin;
+  peer["thin_shapes"] = report.thin_shape_count;
+  return peer;
+}
+
+Json solver_json(const CrosscheckReport& report, const CrosscheckSolver& solver) {
+  Json entry;
+  entry["solver"] = solver.solver;
+  entry["agrees"] = solver.failed == 0 && solver.passed + solver.expected > 0;
+  entry["passed"] = solver.passed;
+  entry["failed"] = solver.failed;
+  entry["expected"] = solver.expected;
+  entry["not_applicable"] = solver.not_applicable;
+  entry["stood"] = report.is_structure ? Json(solver.stood) : Json(nullptr);
+  entry["box2d_stood"] = report.is_structure ? Json(report.box2d_stood) : Json(nullptr);
+  entry["summary"] = solver.summary;
+  return entry;
+}
+
+Json row_json(const CriterionResult& row) {
+  Json entry;
+  entry["solver"] = row.solver;
+  entry["criterion"] = row.criterion;
+  entry["verdict"] = verdict_name(row.verdict);
+  entry["unit"] = row.unit;
+  entry["ours"] = numbers_json(row.ours);
+  entry["box2d"] = numbers_json(row.box2d);
+  if (!row.ours_finest.empty()) entry["ours_finest"] = numbers_json(row.ours_finest);
+  if (!row.box2d_finest.empty()) entry["box2d_finest"] = numbers_json(row.box2d_finest);
+  entry["difference"] = std::isfinite(row.difference) ? Json(row.difference) : Json(nullptr);
+  entry["tolerance"] = row.tolerance;
+  entry["reason"] = row.reason;
+  return entry;
+}
+
+/// One report for each peer, of the same scene. With several peers, `peers` lists them, and each solver and row names
+/// its own. Requires: at least one report.
+Json reports_json(const std::vector<CrosscheckReport>& reports) {
+  const CrosscheckReport& first = reports.front();
   Json object;
   object["schema"] = "ticktrue.crosscheck/1";
-  object["scene"] = report.scene;
-  object["seeds"] = report.seed_count;
-  object["seconds"] = report.seconds;
-  object["ticks"] = report.tick_count;
-  object["peer"] = {{"name", "Box2D"},
-                    {"version", report.box2d_version},
-                    {"velocity_iterations", report.velocity_iterations},
-                    {"position_iterations", report.position_iterations},
-                    {"length_scale", report.length_scale},
-                    {"match_skin", report.match_skin},
-                    {"thin_shapes", report.thin_shape_count}};
+  object["scene"] = first.scene;
+  object["seeds"] = first.seed_count;
+  object["seconds"] = first.seconds;
+  object["ticks"] = first.tick_count;
+  object["peer"] = peer_json(first);
   int passed = 0;
   int failed = 0;
   int expected = 0;
   int not_applicable = 0;
+  Json all_peers = Json::array();
   Json solvers = Json::array();
-  for (const CrosscheckSolver& solver : report.solvers) {
-    passed += solver.passed;
-    failed += solver.failed;
-    expected += solver.expected;
-    not_applicable += solver.not_applicable;
-    Json entry;
-    entry["solver"] = solver.solver;
-    entry["agrees"] = solver.failed == 0 && solver.passed + solver.expected > 0;
-    entry["passed"] = solver.passed;
-    entry["failed"] = solver.failed;
-    entry["expected"] = solver.expected;
-    entry["not_applicable"] = solver.not_applicable;
-    entry["stood"] = report.is_structure ? Json(solver.stood) : Json(nullptr);
-    entry["box2d_stood"] = report.is_structure ? Json(report.box2d_stood) : Json(nullptr);
-    entry["summary"] = solver.summary;
-    solvers.push_back(std::move(entry));
+  Json rows = Json::array();
+  for (const CrosscheckReport& report : reports) {
+    const std::string_view name = peer_info(report.peer).name;
+    Json peer = peer_json(report);
+    peer["id"] = name;
+    all_peers.push_back(std::move(peer));
+    for (const CrosscheckSolver& solver : report.solvers) {
+      passed += solver.passed;
+      failed += solver.failed;
+      expected += solver.expected;
+      not_applicable += solver.not_applicable;
+      solvers.push_back(solver_json(report, solver));
+      if (reports.size() > 1) solvers.back()["peer"] = name;
+    }
+    for (const CriterionResult& row : report.rows) {
+      rows.push_back(row_json(row));
+      if (reports.size() > 1) rows.back()["peer"] = name;
+    }
   }
   object["passed"] = passed;
   object["failed"] = failed;
   object["expected"] = expected;
   object["not_applicable"] = not_applicable;
+  if (reports.size() > 1) object["peers"] = std::move(all_peers);
   object["solvers"] = std::move(solvers);
-  Json rows = Json::array();
-  for (const CriterionResult& row : report.rows) {
-    Json entry;
-    entry["solver"] = row.solver;
-    entry["criterion"] = row.criterion;
-    entry["verdict"] = verdict_name(row.verdict);
-    entry["unit"] = row.unit;
-    entry["ours"] = numbers_json(row.ours);
-    entry["box2d"] = numbers_json(row.box2d);
-    if (!row.ours_finest.empty()) entry["ours_finest"] = numbers_json(row.ours_finest);
-    if (!row.box2d_finest.empty()) entry["box2d_finest"] = numbers_json(row.box2d_finest);
-    entry["difference"] = std::isfinite(row.difference) ? Json(row.difference) : Json(nullptr);
-    entry["tolerance"] = row.tolerance;
-    entry["reason"] = row.reason;
-    rows.push_back(std::move(entry));
-  }
   object["rows"] = std::move(rows);
   return object;
+}
+
+/// The peers that a command names, each once.
+std::vector<PeerKind> peers_of(const CrosscheckCommand& command) {
+  std::vector<PeerKind> kinds;
+  for (const std::string& name : command.peers)
+    if (const verifier::PeerInfo* info = engine::find_choice(verifier::peers, name))
+      if (std::find(kinds.begin(), kinds.end(), info->kind) == kinds.end()) kinds.push_back(info->kind);
+  if (kinds.empty()) kinds.push_back(PeerKind::box2d2);
+  return kinds;
 }
 
 verifier::CrosscheckOptions options_of(const CrosscheckCommand& command) {
@@ -192,6 +240,13 @@ verifier::CrosscheckOptions options_of(const CrosscheckCommand& command) {
   options.match_skin = command.match_skin;
   options.thread_count = command.thread_count > 0 ? static_cast<unsigned>(command.thread_count) : core_count();
   return options;
+}
+
+/// Before anything runs: a peer that is not available here. Errors: those of its version.
+Status check_available(const std::vector<PeerKind>& kinds) {
+  for (const PeerKind kind : kinds)
+    if (const Result<std::string> version = peer_info(kind).version(); !version) return version.error();
+  return {};
 }
 
 // ---- The suite ----
@@ -213,26 +268,31 @@ enum class SuiteVerdict : std::uint8_t { agree, differ, expected, not_applicable
 constexpr std::array<std::string_view, 6> suite_verdict_names{"agree",          "differ",      "expected",
                                                               "not_applicable", "falls_short", "misjudged"};
 
-// Of a scene in which ours is known to fall: falls_short if the cross-check says so, misjudged if it does not.
-SuiteVerdict suite_verdict(const SuiteRow& row, const CrosscheckSolver& solver) {
-  if (!row.scene->falls_short || solver.solver != engine::info_of(engine::solvers, engine::SolverKind::tgs_soft).name) {
-    switch (verdict_on(solver)) {
-      case Agreement::agree:
-        return SuiteVerdict::agree;
-      case Agreement::expected:
-        return SuiteVerdict::expected;
-      case Agreement::differ:
-        return SuiteVerdict::differ;
-      case Agreement::not_applicable:
-        break;
-    }
-    return SuiteVerdict::not_applicable;
+SuiteVerdict plain_verdict(const CrosscheckSolver& solver) {
+  switch (verdict_on(solver)) {
+    case Agreement::agree:
+      return SuiteVerdict::agree;
+    case Agreement::expected:
+      return SuiteVerdict::expected;
+    case Agreement::differ:
+      return SuiteVerdict::differ;
+    case Agreement::not_applicable:
+      break;
   }
+  return SuiteVerdict::not_applicable;
+}
+
+// Of a scene in which ours is known to fall: falls_short if the cross-check says so, misjudged if it does not. That
+// the finest steps stand is known of box2d2 alone: where they do not stand in another peer, its plain verdict holds.
+SuiteVerdict suite_verdict(const SuiteRow& row, const CrosscheckSolver& solver) {
+  if (!row.scene->falls_short || solver.solver != engine::info_of(engine::solvers, engine::SolverKind::tgs_soft).name)
+    return plain_verdict(solver);
   for (const CriterionResult& each : row.report.rows) {
     if (each.solver != solver.solver || each.criterion != verifier::stands_criterion) continue;
     const bool is_told = each.verdict == Agreement::differ && !each.box2d_finest.empty() &&
                          verifier::mean_of(each.ours) < verifier::mean_of(each.box2d_finest);
-    return is_told ? SuiteVerdict::falls_short : SuiteVerdict::misjudged;
+    if (is_told) return SuiteVerdict::falls_short;
+    return row.report.peer == PeerKind::box2d2 ? SuiteVerdict::misjudged : plain_verdict(solver);
   }
   return row.report.is_structure ? SuiteVerdict::misjudged : SuiteVerdict::not_applicable;
 }
@@ -276,6 +336,7 @@ std::string suite_text(const std::vector<SuiteRow>& rows) {
 
 struct SuiteCount {
   std::string solver;
+  PeerKind peer = PeerKind::box2d2;
   int agree = 0, expected = 0, differ = 0, not_applicable = 0, falls_short = 0, misjudged = 0;
 };
 
@@ -283,9 +344,11 @@ std::vector<SuiteCount> count_suite(const std::vector<SuiteRow>& rows) {
   std::vector<SuiteCount> counts;
   for (const SuiteRow& row : rows) {
     for (const CrosscheckSolver& solver : row.report.solvers) {
-      const auto found = std::find_if(counts.begin(), counts.end(),
-                                      [&](const SuiteCount& count) { return count.solver == solver.solver; });
-      SuiteCount& count = found == counts.end() ? counts.emplace_back(SuiteCount{solver.solver}) : *found;
+      const auto found = std::find_if(counts.begin(), counts.end(), [&](const SuiteCount& count) {
+        return count.solver == solver.solver && count.peer == row.report.peer;
+      });
+      SuiteCount& count =
+          found == counts.end() ? counts.emplace_back(SuiteCount{solver.solver, row.report.peer}) : *found;
       switch (suite_verdict(row, solver)) {
         case SuiteVerdict::agree:
           ++count.agree;
@@ -324,6 +387,7 @@ Json suite_json(const std::vector<SuiteRow>& rows, const std::vector<SuiteCount>
                        {"falls_short", count.falls_short},
                        {"misjudged", count.misjudged},
                        {"not_applicable", count.not_applicable}});
+    if (count.peer != PeerKind::box2d2) solvers.back()["peer"] = peer_info(count.peer).name;
     all.agree += count.agree;
     all.differ += count.differ;
     all.expected += count.expected;
@@ -340,7 +404,7 @@ Json suite_json(const std::vector<SuiteRow>& rows, const std::vector<SuiteCount>
   object["solvers"] = std::move(solvers);
   Json list = Json::array();
   for (const SuiteRow& row : rows) {
-    Json entry = report_json(row.report);
+    Json entry = reports_json({row.report});
     entry["scene"] = row.scene->name;
     entry["outcome"] = row.scene->outcome;
     for (std::size_t i = 0; i < row.report.solvers.size(); ++i)
@@ -350,6 +414,28 @@ Json suite_json(const std::vector<SuiteRow>& rows, const std::vector<SuiteCount>
   }
   object["rows"] = std::move(list);
   return object;
+}
+
+// The table of one peer and its counts.
+std::string peer_suite_text(const std::vector<SuiteRow>& rows, PeerKind kind, bool is_one_of_several) {
+  std::vector<SuiteRow> own;
+  std::copy_if(rows.begin(), rows.end(), std::back_inserter(own),
+               [&](const SuiteRow& row) { return row.report.peer == kind; });
+  std::string text;
+  if ((is_one_of_several || kind != PeerKind::box2d2) && !own.empty())
+    text += fmt::format("{}Box2D {} with {}\n", kind == rows.front().report.peer ? "" : "\n",
+                        own.front().report.box2d_version, peer_info(kind).settings);
+  text += suite_text(own) + "\n";
+  for (const SuiteCount& count : count_suite(own)) {
+    const auto with = [](int number, std::string_view what) {
+      return number > 0 ? fmt::format(" ({} {})", number, what) : std::string();
+    };
+    text += fmt::format("{:<10} agree {} of {}{}{}{}\n", count.solver, count.agree + count.expected,
+                        count.agree + count.expected + count.differ, with(count.expected, "expected"),
+                        with(count.falls_short, "fall short as docs/crosscheck.md says"),
+                        with(count.misjudged, "misjudged"));
+  }
+  return text;
 }
 
 int run_suite(const CrosscheckCommand& command) {
@@ -368,34 +454,29 @@ int run_suite(const CrosscheckCommand& command) {
 
   verifier::CrosscheckOptions options = options_of(command);
   options.match_skin = true;
+  const std::vector<PeerKind> kinds = peers_of(command);
+  if (const Status available = check_available(kinds); !available) return fail_usage(available.error());
   std::vector<SuiteRow> rows;
-  Progress progress("crosscheck", scenes.size(), "scenes");
-  for (const verifier::SuiteScene* scene : scenes) {
-    engine::Scene made = scene->make();
-    made.name = scene->name;
-    if (command.seconds == 0) options.seconds = scene->seconds;
-    Result<CrosscheckReport> report = verifier::crosscheck(made, options);
-    if (!report) return fail_usage(report.error());
-    rows.push_back({scene, std::move(*report)});
-    progress.update(rows.size());
+  Progress progress("crosscheck", scenes.size() * kinds.size(), "scenes");
+  for (const PeerKind kind : kinds) {
+    options.peer = kind;
+    for (const verifier::SuiteScene* scene : scenes) {
+      engine::Scene made = scene->make();
+      made.name = scene->name;
+      if (command.seconds == 0) options.seconds = scene->seconds;
+      Result<CrosscheckReport> report = verifier::crosscheck(made, options);
+      if (!report) return fail_usage(report.error());
+      rows.push_back({scene, std::move(*report)});
+      progress.update(rows.size());
+    }
   }
   progress.finish();
 
   const std::vector<SuiteCount> counts = count_suite(rows);
-  if (command.json) {
+  if (command.json)
     print_json(suite_json(rows, counts));
-  } else {
-    print(suite_text(rows) + "\n");
-    for (const SuiteCount& count : counts) {
-      const auto with = [](int number, std::string_view what) {
-        return number > 0 ? fmt::format(" ({} {})", number, what) : std::string();
-      };
-      print(fmt::format("{:<10} agree {} of {}{}{}{}\n", count.solver, count.agree + count.expected,
-                        count.agree + count.expected + count.differ, with(count.expected, "expected"),
-                        with(count.falls_short, "fall short as docs/crosscheck.md says"),
-                        with(count.misjudged, "misjudged")));
-    }
-  }
+  else
+    for (const PeerKind kind : kinds) print(peer_suite_text(rows, kind, kinds.size() > 1));
   const bool differs =
       std::any_of(counts.begin(), counts.end(), [](const auto& count) { return count.differ + count.misjudged > 0; });
   return differs ? exit_finding : exit_ok;
@@ -417,15 +498,24 @@ int run_crosscheck(const CrosscheckCommand& command) {
     total_shown = total;
     progress->update(done);
   };
-  const Result<CrosscheckReport> report = verifier::crosscheck(*scene, options);
-  progress.reset();
-  if (!report) return fail_usage(report.error());
-  if (command.json)
-    print_json(report_json(*report));
-  else
-    print(report_text(*report));
-  const bool failed = std::any_of(report->solvers.begin(), report->solvers.end(),
-                                  [](const CrosscheckSolver& solver) { return solver.failed > 0; });
+  const std::vector<PeerKind> kinds = peers_of(command);
+  if (const Status available = check_available(kinds); !available) return fail_usage(available.error());
+  std::vector<CrosscheckReport> reports;
+  for (const PeerKind kind : kinds) {
+    options.peer = kind;
+    Result<CrosscheckReport> report = verifier::crosscheck(*scene, options);
+    progress.reset();
+    total_shown = 0;
+    if (!report) return fail_usage(report.error());
+    reports.push_back(*std::move(report));
+  }
+  bool failed = false;
+  for (const CrosscheckReport& report : reports) {
+    if (!command.json) print((&report == &reports.front() ? "" : "\n") + report_text(report));
+    failed |= std::any_of(report.solvers.begin(), report.solvers.end(),
+                          [](const CrosscheckSolver& solver) { return solver.failed > 0; });
+  }
+  if (command.json) print_json(reports_json(reports));
   return failed ? exit_finding : exit_ok;
 }
 
@@ -434,13 +524,23 @@ int run_crosscheck(const CrosscheckCommand& command) {
 void add_crosscheck(CLI::App& app, CliContext& context) {
   auto options = std::make_shared<CrosscheckCommand>();
   CLI::App* command =
-      app.add_subcommand("crosscheck", "Run a scene in Box2D 2.4.1 too and compare the outcome")->group(group_study);
+      app.add_subcommand("crosscheck", "Run a scene in Box2D too and compare the outcome")->group(group_study);
   command->add_option(
       "SCENE", options->scenes,
       "Scene file (.json) or built-in scene, with parameters: stack?boxes=20; with --suite: scenes of it");
   command->add_flag("--suite", options->suite, "The suite of structures, or those named; Box2D's skin is matched");
   command->add_flag("--match-skin", options->match_skin,
                     "Give Box2D's polygons so thin a skin that they rest where their geometry touches");
+  std::vector<std::string> peer_names;
+  std::string peer_help = "Peers, may be repeated; default: box2d2";
+  for (const verifier::PeerInfo& info : verifier::peers) {
+    peer_names.emplace_back(info.name);
+    peer_help += fmt::format("; {}: {}", info.name, info.summary);
+  }
+  command->add_option("--peer", options->peers, peer_help)
+      ->delimiter(',')
+      ->allow_extra_args(false)
+      ->check(CLI::IsMember(peer_names));
   std::vector<std::string> names;
   for (const engine::SolverInfo& info : engine::solvers) names.emplace_back(info.name);
   command->add_option("--solver", options->solvers, "Solver of ours, may be repeated; default: the scene's")
@@ -457,7 +557,8 @@ void add_crosscheck(CLI::App& app, CliContext& context) {
   set_examples(*command,
                "ticktrue crosscheck 'stack?boxes=10' --solver tgs_soft --solver impulse\n"
                "ticktrue crosscheck 'pyramid?base=20' --seeds 3 --seconds 10 --json\n"
-               "ticktrue crosscheck --suite --solver tgs_soft,impulse");
+               "ticktrue crosscheck --suite --solver tgs_soft,impulse\n"
+               "ticktrue crosscheck 'stack?boxes=10' --peer box2d2,box2d3");
   command->callback([options, &context] { context.exit_code = run_crosscheck(*options); });
 }
 
