@@ -3,6 +3,7 @@
 // SPDX-License-Identifier: MIT
 #include <cmath>
 
+#include "engine/math/trig.h"
 #include "tests/support/engine_runs.h"
 #include "tests/support/joints.h"
 
@@ -15,7 +16,6 @@ using engine::Input;
 namespace {
 
 constexpr int tick_count = 300;
-constexpr double pi = 3.14159265358979323846;
 
 enum class Load { weight, element, input, ram };
 
@@ -81,7 +81,7 @@ Scene hub(int rods, double speed, Precision precision) {
   disc.angular_velocity = speed;
   scene.bodies.push_back(disc);
   for (int i = 0; i < rods; ++i) {
-    const double angle = 2 * pi * i / rods;
+    const double angle = 2 * engine::pi * i / rods;
     const Point to{std::cos(angle), std::sin(angle)};
     Body rod = body_of(box_shape(1, 0.05), {1.5 * to.x, 1.5 * to.y});
     rod.angle = angle;
