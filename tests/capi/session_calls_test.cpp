@@ -291,7 +291,10 @@ TEST_CASE("the layout of the structs is the one that programs were built with", 
   CHECK(offsetof(ticktrue_plugin, name) == 16);
   CHECK(offsetof(ticktrue_plugin, create) == 40);
   CHECK(offsetof(ticktrue_plugin, inputs_text) == 104);
-  CHECK(sizeof(ticktrue_plugin) == 112);
+  CHECK(offsetof(ticktrue_plugin, save) == 112);
+  CHECK(offsetof(ticktrue_plugin, load) == 120);
+  CHECK(offsetof(ticktrue_plugin, build) == 128);
+  CHECK(sizeof(ticktrue_plugin) == 136);
 }
 
 }  // namespace ticktrue::test::sessions

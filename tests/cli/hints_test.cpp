@@ -112,6 +112,8 @@ constexpr Elsewhere elsewhere[] = {
      "tests/trail/trail_test.py and tests/unsaved/unsaved_test.py run it as trail and unsaved print it"},
     {"verifier/programs/verify_program.cpp", "ticktrue shake", "tests/cli/cases/programs.case runs it"},
     {"capi/comparing.cpp", "ticktrue unsaved", "tests/unsaved/unsaved_test.py runs it as a session prints it"},
+    {"capi/peers/bundle.cpp", "ticktrue show", "needs a bundle of two players: tests/examples/run.sh"},
+    {"verifier/peers/bundle.cpp", "ticktrue show", "needs a bundle of two players: tests/examples/run.sh"},
     {"replay/trace_reader.cpp", "ticktrue recover", "needs a black box: tests/capi/box_test.cpp"},
     {"tool/cli/session/trail.cpp", "ticktrue trail session.ttr", "in a help text, for a program with a session"},
     {"tool/cli/session/unsaved.cpp", "ticktrue unsaved session.ttr", "in a help text, for a program with a session"},

@@ -458,7 +458,7 @@ FAULTS
 # --- traces as CTest tests -------------------------------------------------------------------------------------------
 cd .. || exit 2
 configure >"$out" 2>&1 || { cat "$out"; complain "examples: configuration with traces"; }
-expect 0 "100% tests passed, 0 tests failed out of 6" ctest --test-dir build
+expect 0 "100% tests passed, 0 tests failed out of 7" ctest --test-dir build
 expect 8 "0% tests passed" env TICKTRUE_EXAMPLE_FAULT=drift ctest --test-dir build -R pendulum
 
 [ "$failures" = 0 ] || exit 1
