@@ -4,7 +4,6 @@
 
 #include <memory>
 #include <utility>
-#include <vector>
 
 #include "tool/session/session.h"
 #include "tool/session/simulations.h"
@@ -15,11 +14,6 @@
 
 namespace ticktrue::verifier {
 namespace {
-
-/// Whether runs of a plug-in may begin at the saves of the trace.
-bool is_cut_by_saves(const replay::TraceReader& reader, const SimulationInfo& info) {
-  return info.has_saves && reader.setup().has(replay::Feature::saves);
-}
 
 /// What verifies, where a library brought the simulation; else it is this tool alone. A match does not depend on where
 /// the library lies.
@@ -47,17 +41,6 @@ Report plugin_report(const std::string& file, std::string_view mode, const std::
   return report;
 }
 
-/// The same work, which gives nothing where the plug-in fails.
-std::function<Bytes()> guarded(std::function<Bytes()> work) {
-  return [work = std::move(work)] {
-    try {
-      return work();
-    } catch (const PluginFailure&) {
-      return Bytes();
-    }
-  };
-}
-
 }  // namespace
 
 const SimulationInfo* simulation_of(const replay::TraceReader& reader) {
@@ -82,7 +65,7 @@ Report verify_trace(replay::TraceReader& reader, const std::string& file, const 
   if (options.simulation != nullptr) options.tool = tool_command(options.simulation->name);
   const bool on_threads = options.simulation == nullptr || runs_on_threads(*options.simulation);
   options.thread_count = on_threads ? how.thread_count : 1;
-  options.in_segments = (on_threads || is_cut_by_saves(reader, *options.simulation)) && how.in_segments;
+  options.in_segments = on_threads && how.in_segments;
   SimulationInfo simulation;
   if (options.simulation != nullptr) {
     simulation = on_engine_threads(*options.simulation, how.engine_threads);
@@ -140,40 +123,6 @@ PluginVerification verify_by_plugin(const std::string& file, std::string_view mo
   Result<Report> report = decode_report(done.result);
   if (!report) return {plugin_report(file, mode, report.error().message, compared), false};
   return {std::move(*report), true};
-}
-
-std::optional<Report> verify_by_plugin_in_parts(const std::string& file, unsigned process_count) {
-  // A plug-in is called in processes of their own alone.
-  const auto count_parts_of_file = [&] {
-    ByteWriter out;
-    auto reader = replay::TraceReader::open(file);
-    VerifyOptions options;
-    options.simulation = reader ? simulation_of(*reader) : nullptr;
-    options.in_segments = true;
-    const bool is_cut = options.simulation != nullptr && is_cut_by_saves(*reader, *options.simulation);
-    out.u64(is_cut ? count_parts(*reader, options, process_count) : 0);
-    return out.take();
-  };
-  const IsolatedPart counted = run_part(guarded(count_parts_of_file));
-  if (!counted.message.empty() || counted.result.size() != sizeof(std::uint64_t)) return std::nullopt;
-  const std::uint64_t count = ByteReader(counted.result).u64();
-  std::vector<std::function<Bytes()>> parts;
-  for (std::uint64_t p = 0; p < count; ++p)
-    parts.push_back(guarded([&file, p, count] {
-      auto reader = replay::TraceReader::open(file);
-      TraceVerification how;
-      how.part = TracePart{static_cast<std::size_t>(p), static_cast<std::size_t>(count)};
-      return reader ? encode_report(verify_trace(*reader, file, how)) : Bytes();
-    }));
-  std::vector<Report> reports;
-  for (const IsolatedPart& done : run_parts(parts)) {
-    Result<Report> report = decode_report(done.result);
-    if (!done.message.empty() || !report) return std::nullopt;
-    reports.push_back(std::move(*report));
-  }
-  std::vector<const Report*> all;
-  for (const Report& report : reports) all.push_back(&report);
-  return join_parts(all);
 }
 
 }  // namespace ticktrue::verifier

@@ -54,8 +54,4 @@ PluginVerification verify_by_plugin(const std::string& file, std::string_view mo
                                     const std::function<Report(SharedCount& compared)>& work,
                                     const std::function<void()>& meanwhile = {});
 
-/// Mode replay of the whole trace by a plug-in that has saves: its segments are shared by `process_count` processes.
-/// Nothing: the trace cannot be cut, or a part is no match. Then one process has to verify it.
-std::optional<Report> verify_by_plugin_in_parts(const std::string& file, unsigned process_count);
-
 }  // namespace ticktrue::verifier

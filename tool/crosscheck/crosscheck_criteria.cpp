@@ -168,7 +168,7 @@ struct Judge {
     row.verdict = Agreement::expected;
     row.reason = fmt::format(
         "gaps from the top down: ours {:+.4f} m (soft contacts), Box2D {:+.4f} m ({}); without them {:.4f} m apart",
-        mean_of(each(ours, gap)), mean_of(each(box2d, gap)), skin > 0 ? "skin" : "soft contacts", without);
+        mean_of(each(ours, gap)), mean_of(each(box2d, gap)), skin > 0 ? "skin" : "no skin", without);
     return row;
   }
 

@@ -13,9 +13,7 @@
 #include <chrono>
 #include <csignal>
 #include <cstring>
-#include <deque>
 #include <string_view>
-#include <utility>
 
 #include "verifier/runs/completion.h"
 #include "verifier/runs/escaped.h"
@@ -209,50 +207,6 @@ bool write_whole(int descriptor, ByteView bytes) {
   _exit(written ? exit_ok : exit_usage);
 }
 
-/// One part in its process.
-class PartProcess {
- public:
-  PartProcess() = default;
-  PartProcess(const PartProcess&) = delete;
-  PartProcess& operator=(const PartProcess&) = delete;
-  ~PartProcess() {
-    if (page_ != nullptr) munmap(page_, sizeof(PluginWatch));
-  }
-
-  void begin(const std::function<Bytes()>& part) {
-    page_ = make_watch();
-    if (page_ == nullptr) return;
-    std::fflush(nullptr);
-    side_ = process_.fork();
-    if (side_ != ChildProcess::Side::child) return;
-    watch = page_;
-    do_part(part, out_);
-  }
-
-  /// Waits for it. `stop_signal` becomes the one that ended it and is meant for this process.
-  IsolatedPart end(const std::function<void()>& meanwhile, int& stop_signal) {
-    IsolatedPart done;
-    if (page_ == nullptr) {
-      done.message = "plug-in " + isolated_names + ": no memory for its watch";
-    } else if (side_ == ChildProcess::Side::failed) {
-      done.message = "plug-in " + isolated_names + ": the system gave no process for it: " + process_.failure();
-    } else {
-      const IsolatedEnd end = wait_for(process_, *page_, meanwhile);
-      stop_signal = end.stop_signal;
-      const std::string text = out_.text();
-      done.result.assign(text.begin(), text.end());
-      done.message = end.message;
-    }
-    return done;
-  }
-
- private:
-  PluginWatch* page_ = nullptr;
-  ChildProcess process_;
-  ChildStream& out_ = process_.add_stream(part_result_size_max, ChildStream::Retain::first);
-  ChildProcess::Side side_ = ChildProcess::Side::failed;
-};
-
 }  // namespace
 
 bool can_isolate_plugins() {
@@ -307,25 +261,31 @@ std::optional<IsolatedEnd> run_isolated(const std::string& plugin_names, std::ui
 }
 
 IsolatedPart run_part(const std::function<Bytes()>& part, const std::function<void()>& meanwhile) {
-  return std::move(run_parts({part}, meanwhile).front());
-}
-
-std::vector<IsolatedPart> run_parts(const std::vector<std::function<Bytes()>>& parts,
-                                    const std::function<void()>& meanwhile) {
-  std::vector<IsolatedPart> done;
-  if (watch == nullptr) {
-    for (const auto& part : parts) done.push_back({part(), ""});
+  if (watch == nullptr) return {part(), ""};
+  IsolatedPart done;
+  PluginWatch* page = make_watch();
+  if (page == nullptr) {
+    done.message = "plug-in " + isolated_names + ": no memory for its watch";
     return done;
   }
-  std::deque<PartProcess> running;
-  for (const auto& part : parts) running.emplace_back().begin(part);
-  int stop_signal = 0;
-  for (PartProcess& each : running) {
-    done.push_back(each.end(meanwhile, stop_signal));
-    if (stop_signal != 0) break;  // it went to all of them
+  ChildProcess process;
+  ChildStream& out = process.add_stream(part_result_size_max, ChildStream::Retain::first);
+  std::fflush(nullptr);
+  const ChildProcess::Side side = process.fork();
+  if (side == ChildProcess::Side::child) {
+    watch = page;
+    do_part(part, out);
   }
-  if (stop_signal != 0) std::raise(stop_signal);
-  done.resize(parts.size());
+  if (side == ChildProcess::Side::failed) {
+    done.message = "plug-in " + isolated_names + ": the system gave no process for it: " + process.failure();
+  } else {
+    const IsolatedEnd end = wait_for(process, *page, meanwhile);
+    if (end.stop_signal != 0) std::raise(end.stop_signal);
+    const std::string text = out.text();
+    done.result.assign(text.begin(), text.end());
+    done.message = end.message;
+  }
+  munmap(page, sizeof(PluginWatch));
   return done;
 }
 
@@ -354,12 +314,6 @@ std::optional<IsolatedEnd> run_isolated(const std::string&, std::uint64_t) {
 
 IsolatedPart run_part(const std::function<Bytes()>& part, const std::function<void()>&) {
   return {part(), ""};
-}
-
-std::vector<IsolatedPart> run_parts(const std::vector<std::function<Bytes()>>& parts, const std::function<void()>&) {
-  std::vector<IsolatedPart> done;
-  for (const auto& part : parts) done.push_back({part(), ""});
-  return done;
 }
 
 #endif

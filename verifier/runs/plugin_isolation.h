@@ -88,8 +88,4 @@ struct IsolatedPart {
 /// Requires: this process has no other threads.
 IsolatedPart run_part(const std::function<Bytes()>& part, const std::function<void()>& meanwhile = {});
 
-/// The same for several parts at once, each in a process of its own; element i is of part i.
-std::vector<IsolatedPart> run_parts(const std::vector<std::function<Bytes()>>& parts,
-                                    const std::function<void()>& meanwhile = {});
-
 }  // namespace ticktrue::verifier

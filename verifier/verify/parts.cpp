@@ -15,7 +15,7 @@ std::size_t count_parts(replay::TraceReader& reader, const VerifyOptions& option
   Findings findings;
   if (options.mode != VerifyMode::replay || options.simulation == nullptr || !options.in_segments) return 1;
   if (reader.first_tick() > 0) return 1;
-  if (!check_comparable(context, findings) || !can_load(context, findings)) return 1;
+  if (!check_comparable(context, findings) || loads_saves(context) || !can_load(context, findings)) return 1;
   const SegmentPlan plan = plan_segments(context, source, Start{}, segment_count_max);
   if (!plan.tail || plan.tail->condition != replay::TraceCondition::complete) return 1;
   return std::clamp<std::size_t>(count_max, 1, plan.segment_begins.size());

@@ -289,9 +289,11 @@ class Verifier {
     if (options_.search_single_bit) explain_by_single_bit(context_, mismatch, findings_);
   }
 
+  /// A checkpoint of columns is compared as a whole, so that matching segments make a matching run. A save is not
+  /// compared: a run may match after it though the run before it leads elsewhere.
   bool walks_segments() {
     const bool wanted = (options_.thread_count > 1 && options_.reopen) || options_.in_segments;
-    return wanted && !options_.wrap && can_load(context_, findings_);
+    return wanted && !options_.wrap && !loads_saves(context_) && can_load(context_, findings_);
   }
 
   /// False: something has to be walked in order. What was found behind a loaded checkpoint is a suspicion.
@@ -371,7 +373,17 @@ class Verifier {
       if (!later.segment_begins.empty())
         clean = restore_segments(later, {options_.thread_count, true, false, true}, unconfirmed);
     }
-    if (unconfirmed) run_from_setup(std::move(unconfirmed));
+    if (unconfirmed) return run_from_setup(std::move(unconfirmed));
+    if (clean && loads_saves(context_)) compare_in_order();
+  }
+
+  /// Behind runs that began at saves: the run from the begin, whose ticks are counted already.
+  void compare_in_order() {
+    WalkResult in_order = walk_from(begin_);
+    if (is_clean(in_order, true)) return;
+    report_.ticks_compared = report_.checkpoints_compared = 0;
+    report_.compared = {};
+    conclude_walk(std::move(in_order), begin_);
   }
 
   void note_saves() {

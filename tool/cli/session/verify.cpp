@@ -257,13 +257,8 @@ Status open_program(const VerifyCommand& command, std::optional<Program>& progra
   return {};
 }
 
-/// In a process of its own; the segments of a trace with saves in several, where nothing but a match comes of it.
-Report verify_by_plugin(const std::string& file, const VerifyCommand& command, unsigned process_count) {
-  const auto start = std::chrono::steady_clock::now();
-  const bool is_against = !command.other_build.empty() || !command.other_plugin.empty();
-  if (command.jobs != 1 && command.mode == "replay" && !command.from && !command.to && !is_against)
-    if (std::optional<Report> whole = verifier::verify_by_plugin_in_parts(file, process_count))
-      return finish_report(*std::move(whole), command, start);
+/// In a process of its own.
+Report verify_by_plugin(const std::string& file, const VerifyCommand& command) {
   const auto work = [&](verifier::SharedCount& compared) {
     Progress bar("verify " + file, 0);
     const ProgressCall show = [&](std::uint64_t ticks, std::uint64_t total) { bar.update(ticks, total); };
@@ -288,7 +283,7 @@ Report verify_one(const std::string& file, const VerifyCommand& command, Program
     const auto start = std::chrono::steady_clock::now();
     return finish_report(program->verify(file, number), command, start);
   }
-  if (verifier::needs_plugin(file)) return verify_by_plugin(file, command, thread_count);
+  if (verifier::needs_plugin(file)) return verify_by_plugin(file, command);
   std::optional<Progress> bar;
   if (has_bar) bar.emplace("verify " + file, 0);
   const ProgressCall show = [&](std::uint64_t done, std::uint64_t total) { bar->update(done, total); };
