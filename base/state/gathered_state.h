@@ -134,7 +134,7 @@ class GatheredState {
     std::string name;
     RowMember member;  // its name is empty
   };
-  /// What a child has beside its columns.
+  /// The source of a child table, the layout of its elements, and its packed rows.
   struct Child {
     ChildSource source;
     std::vector<ElementPart> parts;

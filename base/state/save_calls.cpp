@@ -1,4 +1,4 @@
-// Calls save and load of a program or plug-in. What they write too much, return or throw is told, never passed on.
+// Calls save and load of a program or plug-in. A write behind the buffer, a wrong result and an exception become errors.
 // SPDX-License-Identifier: MIT
 #include "base/state/save_calls.h"
 

@@ -1,4 +1,4 @@
-// The save and load callbacks of a program or plug-in: called with guards, their faults told by name.
+// The save and load callbacks of a program or plug-in, called with guards that turn their faults into errors.
 // SPDX-License-Identifier: MIT
 #pragma once
 

@@ -23,7 +23,7 @@ namespace {
 constexpr std::uint32_t bundle_features =
     static_cast<std::uint32_t>(replay::Feature::tail) | static_cast<std::uint32_t>(replay::Feature::peers);
 
-/// What all sources have in common.
+/// The parts of a bundle besides its ticks. They do not depend on where the ticks come from.
 struct BundleParts {
   const DesyncFinding& finding;
   const KeptState* own = nullptr;  // behind the tick that differs; null: not known

@@ -71,7 +71,7 @@ class Peers {
 
   /// Valid until the next call. Requires: has_desync().
   DesyncFinding finding(const RowNamer& row_name);
-  /// What a bundle holds of the players of the finding but this one. Requires: the finding that was made last.
+  /// The records of the other players, for a bundle. Requires: `finding` is the one that was made last.
   std::vector<replay::PeerRecord> records(const DesyncFinding& finding) const;
   /// This player's state after the tick that differs; null: not kept.
   const KeptState* state_at_desync() const { return location_ && location_->state ? &*location_->state : nullptr; }

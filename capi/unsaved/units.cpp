@@ -13,7 +13,7 @@ namespace {
 constexpr std::uint64_t cell = 4;             // bytes; differences in a block are counted by cells of this size
 constexpr std::uint64_t long_run = 64;        // bytes that differ side by side are one thing: a generator, an array
 constexpr std::uint64_t node_size_max = 256;  // bytes: a greater block is no node of a container
-constexpr std::uint64_t page = 4096;
+constexpr std::uint64_t page_size = 4096;
 
 const std::uint8_t* here(std::uint64_t address) {
   return reinterpret_cast<const std::uint8_t*>(address);
@@ -67,7 +67,7 @@ class Finder {
     }
     if (range.kind == RangeKind::generator) return add_generator(range, other);
     for (std::uint64_t at = 0; at < range.size;) {
-      const std::uint64_t size = std::min(page, range.size - at);
+      const std::uint64_t size = std::min(page_size, range.size - at);
       if (std::memcmp(here(range.begin + at), other + at, size) == 0) {
         at += size;
         continue;

@@ -23,7 +23,7 @@ void put_varint(std::uint64_t value, Bytes& out) {
   out.push_back(static_cast<std::uint8_t>(value));
 }
 
-Error wrong(const std::string& what) {
+Error bad_list(const std::string& what) {
   return {ErrorCode::corrupt, "state image: " + what, ""};
 }
 
@@ -53,19 +53,19 @@ bool TableListShape::read_head(const StateSchema& schema, ByteView image, bool i
   const std::uint8_t base = in.u8();
   left_ = in.varint();
   if (!in.ok()) {
-    if (is_whole || image.size() > varint_size_max) status = wrong("list of tables: ends early");
+    if (is_whole || image.size() > varint_size_max) status = bad_list("list of tables: ends early");
     return false;
   }
   if (base != static_cast<std::uint8_t>(base_)) {
-    status = wrong("list of tables: base: found " + std::to_string(base) + ", expected " +
-                   std::to_string(static_cast<unsigned>(base_)) +
-                   (base_ == ListBase::nothing ? ": no state of one tick less stands before it"
-                                               : ": the state of one tick less stands before it"));
+    status = bad_list("list of tables: base: found " + std::to_string(base) + ", expected " +
+                      std::to_string(static_cast<unsigned>(base_)) +
+                      (base_ == ListBase::nothing ? ": no state of one tick less stands before it"
+                                                  : ": the state of one tick less stands before it"));
     return false;
   }
   if (left_ > schema.tables.size()) {
-    status = wrong("list of tables: found " + std::to_string(left_) + " tables, expected at most " +
-                   std::to_string(schema.tables.size()));
+    status = bad_list("list of tables: found " + std::to_string(left_) + " tables, expected at most " +
+                      std::to_string(schema.tables.size()));
     return false;
   }
   offset_ = in.offset();
@@ -84,29 +84,29 @@ Status TableListShape::pass(const StateSchema& schema, ByteView image, std::uint
     const std::uint32_t row_count = in.u32();
     if (!in.ok()) {
       if (is_whole || image.size() - offset_ >= varint_size_max + row_count_size)
-        return wrong("list of tables: ends early, or a skip is no number");
+        return bad_list("list of tables: ends early, or a skip is no number");
       return {};
     }
     if (skip >= schema.tables.size() - next_table_)
-      return wrong("list of tables: skip: found " + std::to_string(skip) + " behind table " +
-                   std::to_string(next_table_) + " of " + std::to_string(schema.tables.size()));
+      return bad_list("list of tables: skip: found " + std::to_string(skip) + " behind table " +
+                      std::to_string(next_table_) + " of " + std::to_string(schema.tables.size()));
     const std::uint64_t table = next_table_ + skip;
     const TableSchema& described = schema.tables[static_cast<std::size_t>(table)];
     if (row_count == 0 && base == ListBase::nothing)
-      return wrong("table " + described.name + ": is listed and has no rows");
+      return bad_list("table " + described.name + ": is listed and has no rows");
     const std::uint64_t rows = offset_ + in.offset();
     offset_ = rows + std::uint64_t{row_count} * described.row_size;
     if (offset_ > image_size)
-      return wrong("table " + described.name + ": rows: found " + std::to_string(row_count) +
-                   ", expected at most what an image of " + std::to_string(image_size) + " bytes holds");
+      return bad_list("table " + described.name + ": rows: found " + std::to_string(row_count) +
+                      ", expected at most what an image of " + std::to_string(image_size) + " bytes holds");
     entries_.push_back({static_cast<std::uint32_t>(table), row_count, static_cast<std::size_t>(rows)});
     next_table_ = table + 1;
     --left_;
   }
   if (left_ == 0 && offset_ != image_size)
-    return wrong("size: found " + std::to_string(image_size) + " bytes, expected " + std::to_string(offset_) +
-                 " by its list of tables");
-  if (left_ > 0 && is_whole) return wrong("list of tables: ends early");
+    return bad_list("size: found " + std::to_string(image_size) + " bytes, expected " + std::to_string(offset_) +
+                    " by its list of tables");
+  if (left_ > 0 && is_whole) return bad_list("list of tables: ends early");
   return {};
 }
 
@@ -144,7 +144,7 @@ Status ComposedState::replace(const StateSchema& schema, const TableListShape& l
     const ByteView rows = rows_of(entry);
     const ImageTable& before = tables_[entry.table];
     if (before.row_count == entry.row_count && same_rows(before.rows, rows))
-      return wrong("table " + schema.tables[entry.table].name + ": is listed and has the rows of the tick before");
+      return bad_list("table " + schema.tables[entry.table].name + ": is listed and has the rows of the tick before");
     size += rows.size();
     size -= before.rows.size();
   }

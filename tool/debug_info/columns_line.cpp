@@ -10,7 +10,7 @@
 namespace ticktrue::debug_info {
 namespace {
 
-constexpr std::size_t depth_max = 32;
+constexpr std::size_t nested_max = 32;
 constexpr std::uint64_t lane_count_max = 255;
 constexpr std::size_t line_size_max = 120;
 
@@ -97,7 +97,7 @@ class Layouts {
 
   std::optional<Numbers> numbers_of(std::size_t place, std::size_t depth) const {
     const Type& type = at(place);
-    if (depth > depth_max) return {};
+    if (depth > nested_max) return {};
     if (is_scalar(type)) return Numbers{place, 1};
     if (type.kind == Type::Kind::record) return vector_of(type);
     if (type.kind != Type::Kind::array || type.count == 0) return {};
@@ -136,7 +136,7 @@ class Layouts {
   /// Why the type is no column; empty: it is one, or its columns have lines of their own by now.
   std::string refusal_of(std::size_t place, std::size_t depth) {
     const Type& type = at(place);
-    if (depth > depth_max) return "is nested too deep to be looked at";
+    if (depth > nested_max) return "is nested too deep to be looked at";
     if (const std::optional<Numbers> numbers = numbers_of(place, 0))
       return numbers->count <= lane_count_max ? ""
                                               : "has more than 255 numbers. Make them rows of a table of their own";
@@ -196,7 +196,7 @@ class Layouts {
   };
 
   void add_members(const Type& record, Inside inside, StructLayout& layout, std::size_t depth) {
-    if (depth > depth_max || layout.members.size() > 4096) return;
+    if (depth > nested_max || layout.members.size() > 4096) return;
     for (const Field& field : record.fields) {
       const Type& type = at(field.type);
       const std::uint64_t offset = inside.offset + field.offset;

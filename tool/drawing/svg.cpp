@@ -80,7 +80,7 @@ std::string_view class_of(BodyType type) {
   return engine::info_of(engine::body_types, type).name;
 }
 
-std::string xml_text(std::string_view text) {
+std::string svg_text(std::string_view text) {
   std::string escaped;
   for (const char letter : plain_line(text)) {
     if (letter == '&')
@@ -149,7 +149,7 @@ void draw_body(const BodyReport& body, std::back_insert_iterator<std::string> ou
   if (!is_finite(body) || body.shapes == nullptr) return;
   fmt::format_to(out, "<g class=\"{}\" transform=\"translate({:.7g} {:.7g}) rotate({:.6g})\">", class_of(body.type),
                  body.origin.x, body.origin.y, body.angle * degrees_per_radian);
-  fmt::format_to(out, "<title>{} (id {})</title>", body.name.empty() ? "body" : xml_text(body.name), body.id);
+  fmt::format_to(out, "<title>{} (id {})</title>", body.name.empty() ? "body" : svg_text(body.name), body.id);
   for (const Shape& shape : *body.shapes) {
     if (shape.sensor) fmt::format_to(out, "<g class=\"sensor\">");
     draw_shape(shape, out);
@@ -228,7 +228,7 @@ std::string svg_picture(const engine::Engine& engine, std::uint64_t tick, const 
                  "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"{:.0f}\" height=\"{:.0f}\" viewBox=\"0 0 {:.6g} "
                  "{:.6g}\">\n",
                  picture_width_px, height_px, picture_width_px, view.height() * scale);
-  fmt::format_to(out, "<title>{}, tick {}, {:.3f} s</title>\n{}\n", xml_text(engine.scene().name), tick,
+  fmt::format_to(out, "<title>{}, tick {}, {:.3f} s</title>\n{}\n", svg_text(engine.scene().name), tick,
                  engine.time_s(), style);
   // World axes: y up, m.
   fmt::format_to(out, "<g stroke-width=\"{:.4g}\" transform=\"scale({:.7g} {:.7g}) translate({:.7g} {:.7g})\">\n",
@@ -247,7 +247,7 @@ std::string svg_picture(const engine::Engine& engine, std::uint64_t tick, const 
     }
   }
   fmt::format_to(out, "</g>\n<text x=\"8\" y=\"20\">{}  tick {}  {:.3f} s</text>\n</svg>\n",
-                 xml_text(engine.scene().name), tick, engine.time_s());
+                 svg_text(engine.scene().name), tick, engine.time_s());
   return text;
 }
 
