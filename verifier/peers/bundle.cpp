@@ -163,14 +163,14 @@ Result<std::optional<Bundle>> Bundle::read(replay::TraceReader& reader) {
   for (const replay::PeerRecord& peer : peers) {
     Result<DesyncPlayer> player = bundle.other_at(schema, peer);
     if (!player) return Error{player.error().code, reader.name() + ": " + player.error().message, ""};
-    players.push_back(std::move(*player));
+    const auto place = std::find_if(players.begin(), players.end(),
+                                    [&](const DesyncPlayer& other) { return other.player > player->player; });
+    players.insert(place, std::move(*player));
     if (peer.session_identity != replay::session_identity(reader.setup()))
       bundle.warnings_.push_back(player_name(peer.player) + " plays another game: session identity " +
                                  hex64(peer.session_identity) + ", that of the recorder is " +
                                  hex64(replay::session_identity(reader.setup())));
   }
-  std::sort(players.begin(), players.end(),
-            [](const DesyncPlayer& a, const DesyncPlayer& b) { return a.player < b.player; });
   bundle.finding_.is_whole = std::all_of(players.begin(), players.end(), [](const DesyncPlayer& player) {
     return player.root.has_value() && player.tables.has_value();
   });
