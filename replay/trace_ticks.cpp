@@ -1,21 +1,17 @@
 // Reads ticks chunks: each record is verified before a tick of it is returned.
 // SPDX-License-Identifier: MIT
 #include <algorithm>
-#include <cmath>
 
 #include "base/hash.h"
 #include "base/limits.h"
 #include "replay/format/bound_records.h"
+#include "replay/format/payload.h"
 #include "replay/trace_reader_impl.h"
 
 namespace ticktrue::replay {
 namespace {
 
 constexpr std::size_t ticks_view_size = 32u << 10;  // a usual ticks chunk: 1024 ticks of 11 bytes and their inputs
-
-bool is_dt(double dt) {
-  return std::isfinite(dt) && dt >= 0;
-}
 
 std::string hex16(std::uint64_t value) {
   return hex32(static_cast<std::uint32_t>(value)).substr(4);

@@ -26,10 +26,6 @@ Error over_limit(const std::string& place, const std::string& what, std::uint64_
           place + ": " + what + ": found " + std::to_string(found) + ", expected at most " + std::to_string(max), ""};
 }
 
-bool is_dt(double dt) {
-  return std::isfinite(dt) && dt >= 0;
-}
-
 /// Of a setup that states version 3.
 Status check_features(const TraceSetup& setup, const std::string& place) {
   if ((setup.features & ~feature_mask) != 0) {
@@ -58,6 +54,10 @@ SchemaLayout layout_of_version(std::uint16_t version) {
 }
 
 }  // namespace
+
+bool is_dt(double dt) {
+  return std::isfinite(dt) && dt >= 0;
+}
 
 std::uint16_t version_of(const TraceSetup& setup) {
   if (setup.features != 0 || setup.stage_interval != 0 || setup.whole_schema ||

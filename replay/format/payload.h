@@ -23,6 +23,9 @@ enum class Codec : std::uint8_t { none = 0, zstd = 1 };
 /// Whether this build reads and writes it.
 bool has_codec(Codec codec);
 
+/// Whether it can be the length of a tick in seconds: finite and not negative.
+bool is_dt(double dt);
+
 /// Errors: limit, incompatible parts. `place` begins the messages.
 Status check_setup(const TraceSetup& setup, const std::string& place);
 /// In the layout of version_of(setup).

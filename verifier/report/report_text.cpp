@@ -31,7 +31,8 @@ std::string side_text(const ContentReport& content, const std::optional<std::str
     const std::string_view behind = std::string_view(*bytes).substr(skipped);
     return hex_bytes(behind) + (content.offset + std::min(behind.size(), hex_bytes_max) < size ? " ..." : "");
   }
-  return (content.first > 0 ? "..." : "") + quoted(*bytes) + (content.first + bytes->size() < size ? "..." : "");
+  return (content.first > 0 ? "..." : "") + verifier::quoted(*bytes) +
+         (content.first + bytes->size() < size ? "..." : "");
 }
 
 }  // namespace
