@@ -1,4 +1,4 @@
-// The order of calls of a session, its options, and rollback.
+// The order of calls in a session, its options, and rollback.
 // SPDX-License-Identifier: MIT
 #include "capi/session.h"
 
@@ -20,13 +20,13 @@
 namespace ticktrue::capi {
 namespace {
 
-constexpr std::uint32_t rollback_count_max = 4096;  // ticks: over a minute, and each waits with a copy of the state
+constexpr std::uint32_t rollback_count_max = 4096;  // ticks: over a minute. Each has a copy of the state
 constexpr std::uint32_t checkpoint_interval_default = 600;
-constexpr std::size_t note_count_max = 1024;  // that wait for their tick
+constexpr std::size_t note_count_max = 1024;  // notes that wait for their tick
 constexpr std::uint32_t known_flags =
     TICKTRUE_OVERWRITE | TICKTRUE_QUIET | TICKTRUE_JSON | TICKTRUE_NO_SYNC | TICKTRUE_RESTORE | TICKTRUE_MARKS;
 
-/// Another address in each thread.
+/// Returns an address that differs between threads.
 const void* own_thread() {
   static thread_local const char of_thread = 0;
   return &of_thread;
@@ -78,7 +78,7 @@ void Session::take_calls() {
   if (recording_) recording_->add_marks();
 }
 
-/// From any thread: calls of others than that of the tick have no order.
+/// Any thread may call this. Calls of threads other than that of the tick have no defined order.
 void Session::take_call(void* session, const char* name, std::uint64_t value, const void* caller) {
   auto& of_tick = *static_cast<Session*>(session);
   if (compiler::load_relaxed(of_tick.tick_thread_) != own_thread()) return;
@@ -378,7 +378,7 @@ int Session::note(const char* topic, const char* text) {
   return phase_ == Phase::inside ? write_notes() : TICKTRUE_OK;
 }
 
-/// Inside of a tick. Those of a tick that may be taken back wait with it.
+/// To be called inside a tick. With rollback, notes wait until their tick is confirmed.
 int Session::write_notes() {
   if (rollback_max_ > 0) return TICKTRUE_OK;
   for (const replay::Note& note : notes_) {
@@ -437,7 +437,7 @@ int Session::begin_tick(double* dt) {
                            "expected at most rollback_max, " + number(rollback_max_),
                        "confirm every tick whose inputs are known of all players, or raise rollback_max");
   if (phase_ == Phase::registering) {
-    // Inputs of a verification come from the trace, whose columns must be known to be these.
+    // The inputs of a verification come from the trace. Its columns must first be known to equal the columns here.
     if (start() != TICKTRUE_OK) return status_;
     phase_ = Phase::between;
   }
@@ -570,7 +570,7 @@ int Session::rewind(std::uint64_t tick) {
     return wrong_order(
         "rewind: found tick " + number(tick) + ", expected at least the ticks confirmed, " + number(confirmed_),
         "a confirmed tick is final: confirm a tick when the inputs of all players are known for it");
-  // Without recorded inputs, the program knows now what these ticks did not run with.
+  // Without recorded inputs, the program now knows inputs that these ticks did not run with.
   if (second_.is_open() && !second_.is_second() && (comparing_ || tick >= second_.first()))
     second_.drop_from(tick);
   else
@@ -656,7 +656,7 @@ int Session::finish() {
     exit_code_ = finish_recording();
   } else if (comparing_) {
     const bool is_wrong_call = status_ == TICKTRUE_FAILED && !message_.empty();
-    // Unconfirmed ticks are final now: no rollback can follow.
+    // Pending ticks are final now: no rollback can follow.
     if (!is_wrong_call && status_ != TICKTRUE_DIVERGED) confirm_pending(ticks_done());
     comparing_->finish(ticks_done());
     judge_second_runs();

@@ -21,8 +21,7 @@ inline constexpr const char* calls_variable = "TICKTRUE_CALLS";
 
 /// Limits of a list. A session keeps within the limits; a longer list is refused.
 inline constexpr std::size_t listed_mark_count_max = std::size_t{1} << 20;
-inline constexpr std::size_t listed_stack_count_max =
-    16'385;  // different stacks; the last one represents all further stacks
+inline constexpr std::size_t listed_stack_count_max = 16'385;  // different stacks; the last stands for all others
 inline constexpr std::size_t listed_stack_depth_max = 32;
 inline constexpr std::size_t listed_module_count_max = 4'096;
 

@@ -21,8 +21,7 @@ namespace ticktrue::replay {
 inline constexpr std::uint16_t format_version_first = 1;
 inline constexpr std::uint16_t format_version_third = 3;  // adds bound content, lists of tables, traces that begin late
 inline constexpr std::uint16_t format_version = format_version_third;  // the newest version that is read
-inline constexpr std::uint16_t format_version_written =
-    2;  // the newest version that a recorder states: version 3 is not complete
+inline constexpr std::uint16_t format_version_written = 2;             // of recordings without features of version 3
 
 /// How much a trace stores of each tick.
 enum class Detail : std::uint8_t { root = 1, cells = 2, full = 3 };
@@ -93,9 +92,8 @@ struct BoundRecord {
 
 /// One tick as recorded. Views are valid until the reader advances.
 struct TickRecord {
-  std::uint64_t tick =
-      0;          // 0-based. The tick leads from the state after `tick` ticks to the state after `tick + 1` ticks
-  double dt = 0;  // s
+  std::uint64_t tick = 0;  // 0-based: it takes the state after `tick` ticks to the next one
+  double dt = 0;           // s
   ByteView inputs;
   std::uint64_t root_hash = 0;              // of the state after the tick
   std::vector<std::uint64_t> stage_hashes;  // root hash after each stage; empty unless stored
