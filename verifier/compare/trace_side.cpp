@@ -1,4 +1,4 @@
-// Reads a trace tick by tick and keeps the checkpoints that it passes.
+// Reads a trace tick by tick and keeps the checkpoints on the way.
 // SPDX-License-Identifier: MIT
 #include "verifier/compare/trace_side.h"
 
