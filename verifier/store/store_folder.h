@@ -2,12 +2,12 @@
 // SPDX-License-Identifier: MIT
 //
 // Requirements on the file system, also on NFS (version 3 and later):
-//   link(2)    is atomic on the server and fails where the name exists. A repeated request can report that failure for
-//              its own success: then the temporary file has two links, and the call counts as done.
-//   rename(2)  is atomic on the server: a reader of the name sees the old file or the new one.
-//   close(2)   hands what was written to the server, and open(2) asks the server for the present file. Nothing is
-//              published before it was closed, and nothing is read that was opened earlier.
-// No lock is asked for (flock, fcntl), and no clock.
+// - link(2) is atomic on the server and fails if the name exists. A repeated request can report this failure although
+// it succeeded: then the temporary file has two links, and the call counts as successful.
+// - rename(2) is atomic on the server: a reader of the name sees the old file or the new one.
+// - close(2) passes the written bytes to the server, and open(2) asks the server for the present file. A file is
+// published only after it was closed, and a file is read only after it was opened anew.
+// No lock (flock, fcntl) and no clock is needed.
 #pragma once
 
 #include <cstddef>
