@@ -220,6 +220,7 @@ inline constexpr Room rooms[] = {
     {"tool/session", "below,tool/output"},
     {"tool/campaign", "below"},
     {"tool/corpus", "below,tool/session"},
+    {"tool/corpus/run", "below,tool/corpus"},
     {"tool/report_page", "below,tool/drawing,tool/output,tool/session"},
     {"tool/crosscheck", "below,tool/box2d,tool/box2d3"},
     {"tool/study", "below,tool/box2d,tool/box2d3,tool/crosscheck,tool/drawing,tool/session"},
@@ -248,7 +249,7 @@ inline constexpr Room rooms[] = {
      "below,tool/cli,tool/output,tool/session,tool/crosscheck,tool/study,"
      "tool/study/problem_file,tool/study/stress"},
     {"tool/cli/upkeep",
-     "below,tool/cli,tool/output,tool/session,tool/corpus,tool/debug_info,tool/environment,"
+     "below,tool/cli,tool/output,tool/session,tool/corpus,tool/corpus/run,tool/debug_info,tool/environment,"
      "tool/experiment/bisect,"
      "tool/experiment/soak,tool/report_page"},
     {"bench", all_but_tests},
