@@ -1,7 +1,6 @@
 // Reads ticks chunks. Each record is verified before a tick of the chunk is returned.
 // SPDX-License-Identifier: MIT
 #include <algorithm>
-#include <cmath>
 
 #include "base/hash.h"
 #include "base/limits.h"
@@ -12,10 +11,6 @@ namespace ticktrue::replay {
 namespace {
 
 constexpr std::size_t ticks_view_size = 32u << 10;  // an ordinary ticks chunk: 1024 ticks of 11 bytes, and inputs
-
-bool is_dt(double dt) {
-  return std::isfinite(dt) && dt >= 0;
-}
 
 std::string hex16(std::uint64_t value) {
   return hex32(static_cast<std::uint32_t>(value)).substr(4);

@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <array>
-#include <cmath>
 
 #include "base/assert.h"
 #include "base/limits.h"
@@ -24,10 +23,6 @@ Error corrupt(const std::string& what) {
 Error over_limit(const std::string& place, const std::string& what, std::uint64_t found, std::uint64_t max) {
   return {ErrorCode::limit,
           place + ": " + what + ": found " + std::to_string(found) + ", expected at most " + std::to_string(max), ""};
-}
-
-bool is_dt(double dt) {
-  return std::isfinite(dt) && dt >= 0;
 }
 
 /// For a setup that states version 3.

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <array>
+#include <cmath>
 #include <cstdint>
 #include <optional>
 #include <span>
@@ -70,6 +71,11 @@ struct TraceSetup {
 };
 /// The version of a trace with this setup: the oldest version that supports it.
 std::uint16_t version_of(const TraceSetup& setup);
+
+/// Whether a tick can have this length, s.
+inline bool is_dt(double dt) {
+  return std::isfinite(dt) && dt >= 0;
+}
 
 /// Facts about the recording build: name, value. They are outside the chain of checksums.
 using BuildFacts = std::vector<std::pair<std::string, std::string>>;
