@@ -66,7 +66,7 @@ class TraceReader {
 };
 
 /// Copies the intact part at the start of `input` into a new, complete trace. If a ticks chunk is damaged inside, its
-/// ticks before the damage are copied, except the last salvage_margin ticks: only the 16-bit checks of their records
+/// ticks before the damage are copied, except the last salvage_margin ticks. Only the 16-bit checks of their records
 /// and of later records prove these ticks. `tail` describes the loss. No file is written if the trace is broken and no
 /// tick is intact.
 /// Errors: io (also if the input changes meanwhile), and the errors of TraceReader::open.

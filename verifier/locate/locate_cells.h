@@ -25,8 +25,9 @@ struct CellFinding {
   std::uint32_t unexplained_cells = 0;  // differing cells without a value of a candidate
 };
 
-/// Candidates are owners all of whose cells differ. If these owners do not explain each differing cell, owners with
-/// three differing cells, one of them unexplained, are added: a value can change and leave one of its cells unchanged.
+/// Candidates are owners all of whose cells differ. If these owners do not explain each differing cell, other owners
+/// are added: those with three differing cells, one of them unexplained. A value can change and leave one of its cells
+/// unchanged.
 /// Requires: equal partition_cells.
 CellFinding find_candidates(const StateCells& expected, const StateCells& got, const std::vector<CellOwner>& owners,
                             const std::vector<CellOwner>& gone = {});

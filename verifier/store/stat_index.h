@@ -2,9 +2,9 @@
 // SPDX-License-Identifier: MIT
 //
 // A row is valid for a file with the same size, inode, device, time of modification and time of change (ctime). Both
-// times are compared to the nanosecond. A program can set the time of modification, but not the time of change. A file
-// that changed in the last ten minutes, or in the future, by the clock of this machine gets no row: the clock of its
-// file system can differ by minutes and have coarse steps, and the file could change again within one step.
+// times are compared to the nanosecond. A program can set the time of modification, but not the time of change.
+// A file gets no row if it changed in the last ten minutes, or in the future, by the clock of this machine. The clock
+// of its file system can differ by minutes and have coarse steps. So the file could change again within one step.
 #pragma once
 
 #include <cstdint>
