@@ -193,10 +193,10 @@ TICKTRUE_API int ticktrue_rows(ticktrue_session* session, uint32_t table, const 
    registered one by one. `row`: row number in the parent. It is called for each row in order, in the first begin_tick,
    in stage and end_tick, and around save and load. It must not change the state. */
 typedef const void* (*ticktrue_elements)(void* user, const void* owner, uint32_t row, size_t* count);
-/* Registers the list that each row of `parent` has, such as "units.inventory" of "units": elements of `stride` bytes
-   with these members (none: only the number of elements is compared). To be called before the first tick, and after the
-   registration of the parent, which may be a child table. The columns "owner" and "index" come before the members and
-   are the key. */
+/* Registers the list that each row of `parent` has, such as "units.inventory" of "units". Its elements have `stride`
+   bytes and these members (none: only the number of elements is compared). To be called before the first tick, and
+   after the registration of the parent, which may be a child table. The columns "owner" and "index" come before the
+   members and are the key. */
 TICKTRUE_API int ticktrue_child(ticktrue_session* session, const char* table, const char* parent,
                                 ticktrue_elements elements, void* user, size_t stride, const ticktrue_member* members,
                                 uint32_t member_count);
@@ -318,7 +318,7 @@ TICKTRUE_API int ticktrue_finish(ticktrue_session* session);
 TICKTRUE_API const char* ticktrue_report(ticktrue_session* session);
 TICKTRUE_API const char* ticktrue_report_json(ticktrue_session* session);
 /* Finishes, prints the report (stdout) or the error (stderr), and frees the session; returns the exit code. If the disk
-   is full, the recording ends and the session continues: later calls succeed, ticktrue_message and ticktrue_close
+   is full, the recording ends and the session continues. Later calls succeed, ticktrue_message and ticktrue_close
    report the error, and the exit code is 2. */
 TICKTRUE_API int ticktrue_close(ticktrue_session* session);
 
@@ -376,7 +376,7 @@ typedef struct ticktrue_plugin {
                      size_t text_size);
   /* Since version 5 of this interface. */
   /* Optional, both or none; `user` is the simulation. With them, checkpoints of a recording have a save, and a
-     verification can begin at each of them: create makes a simulation from the same setup, load brings it into the
+     verification can begin at each of them. Then create makes a simulation from the same setup, load brings it into the
      state of the save, and `columns` is called. For a trace with saves, `loaded` is not called. */
   ticktrue_saver save;
   ticktrue_loader load;

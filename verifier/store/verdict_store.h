@@ -3,7 +3,7 @@
 //
 // A verdict is a file STORE/ab/cdef... that is written once and never changed. Readers check length, checksum and key
 // before they use anything else. A file that fails a check is moved to STORE/damaged/ and counts as absent.
-// Two different verdicts of one key are a conflict: both stay in STORE/conflicts/, and the key has no verdict until a
+// Two different verdicts of one key are a conflict: both stay in STORE/conflicts/. The key has no verdict until a
 // person removes the file that names them.
 #pragma once
 

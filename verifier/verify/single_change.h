@@ -24,8 +24,8 @@ inline constexpr std::uint64_t single_changes_max = 20'000'000;
 Result<std::optional<Bytes>> find_single_bit(const StateSchema& schema, ByteView image, std::uint64_t wanted,
                                              unsigned thread_count);
 
-/// If the trace stores only a hash of the differing tick, and one flipped bit explains this hash: adds the place of the
-/// bit and its meaning to the divergence of `findings`.
+/// Does nothing unless the trace stores only a hash of the differing tick. If one flipped bit explains this hash, adds
+/// the place of the bit and its meaning to the divergence of `findings`.
 void explain_by_single_bit(const WalkContext& context, const Mismatch& mismatch, Findings& findings);
 
 }  // namespace ticktrue::verifier
