@@ -194,6 +194,8 @@ inline constexpr Room rooms[] = {
     {"verifier/compare",
      "base,base/state,replay,replay/format,verifier/report,verifier/locate,verifier/peers,verifier/verify,"
      "verifier/runs"},
+    {"verifier/compare/many",
+     "base,base/state,replay,replay/format,verifier/report,verifier/locate,verifier/peers,verifier/compare"},
     {"verifier/inject", "base,base/state,base/parallel,replay,verifier/report,verifier/verify"},
     {"verifier/corpus", "base,replay"},
     {"verifier/store", "base,replay/file,verifier/report"},
@@ -262,7 +264,8 @@ inline bool is_below_tool(std::string_view room) {
       "base,base/state,base/parallel,replay,replay/format,replay/file,replay/box,include,engine,engine/"
       "math,engine/simd,"
       "engine/json,engine/scene,engine/builtin_scenes,engine/random_worlds,engine/clock,verifier/report,"
-      "verifier/locate,verifier/peers,verifier/verify,verifier/runs,verifier/compare,verifier/inject,verifier/corpus,"
+      "verifier/locate,verifier/peers,verifier/verify,verifier/runs,verifier/compare,verifier/compare/many,verifier/"
+      "inject,verifier/corpus,"
       "verifier/store,verifier/plugins,verifier/programs");
 }
 

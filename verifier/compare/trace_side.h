@@ -10,6 +10,9 @@
 
 namespace ticktrue::verifier {
 
+/// Whether the recorder of this end was stopped, or died, before its own end.
+bool ends_early(const replay::TraceTail& tail);
+
 /// Stores one tick and at most two checkpoints at a time.
 class TraceSide {
  public:
@@ -34,7 +37,7 @@ class TraceSide {
   /// Simulated time before the last checkpoint on the way.
   double time_s() const { return time_s_; }
   /// Whether the recorder was stopped, or died, before its end. Requires: advance() returned null.
-  bool was_stopped() const;
+  bool was_stopped() const { return ends_early(tail()); }
 
  private:
   replay::TraceReader& reader_;

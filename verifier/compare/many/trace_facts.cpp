@@ -1,6 +1,6 @@
 // Compares setups and build facts of traces with one reference trace, and groups the traces by value.
 // SPDX-License-Identifier: MIT
-#include "verifier/compare/trace_facts.h"
+#include "verifier/compare/many/trace_facts.h"
 
 #include <algorithm>
 #include <tuple>

@@ -6,8 +6,8 @@
 #include "base/count_text.h"
 #include "base/hash.h"
 #include "base/plain_text.h"
-#include "verifier/compare/diff_many.h"
-#include "verifier/compare/trace_facts.h"
+#include "verifier/compare/many/diff_many.h"
+#include "verifier/compare/many/trace_facts.h"
 #include "verifier/report/fact_differences.h"
 #include "verifier/report/json_parts.h"
 

@@ -1,6 +1,6 @@
 // Groups traces by the inputs of a tick, and searches moved inputs in later ticks.
 // SPDX-License-Identifier: MIT
-#include "verifier/compare/input_difference.h"
+#include "verifier/compare/many/input_difference.h"
 
 #include <algorithm>
 

@@ -14,8 +14,8 @@
 #include <vector>
 
 #include "verifier/compare/diff.h"
-#include "verifier/compare/input_difference.h"
-#include "verifier/compare/trace_groups.h"
+#include "verifier/compare/many/input_difference.h"
+#include "verifier/compare/many/trace_groups.h"
 #include "verifier/report/likely_causes.h"
 
 namespace ticktrue::verifier {

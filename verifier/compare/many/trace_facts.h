@@ -5,7 +5,7 @@
 #include <span>
 #include <vector>
 
-#include "verifier/compare/diff_many.h"
+#include "verifier/compare/many/diff_many.h"
 
 namespace ticktrue::verifier {
 

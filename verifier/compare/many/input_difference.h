@@ -15,7 +15,7 @@
 
 #include "base/state/simulation.h"
 #include "replay/format/trace.h"
-#include "verifier/compare/trace_groups.h"
+#include "verifier/compare/many/trace_groups.h"
 
 namespace ticktrue::verifier {
 
