@@ -207,10 +207,8 @@ inline constexpr Room rooms[] = {
     {"capi/marks", "base,base/compiler,replay/format,shim"},
     {"capi/unsaved", "base,base/compiler,base/state,shim,capi/marks"},
     {"capi",
-     "base,base/compiler,base/state,replay,replay/format,replay/file,replay/box,include,shim,verifier/report,verifier/"
-     "locate,verifier/peers,verifier/"
-     "verify,capi/marks,"
-     "capi/peers,capi/unsaved"},
+     "base,base/compiler,base/state,replay,replay/format,replay/file,replay/box,include,shim,verifier/report,"
+     "verifier/locate,verifier/peers,verifier/verify,capi/marks,capi/peers,capi/unsaved"},
     {"tool", "tool/cli"},
     {"tool/output", "below"},
     {"tool/environment", "below"},
@@ -261,12 +259,10 @@ inline constexpr Room rooms[] = {
 inline bool is_below_tool(std::string_view room) {
   return source_tree::is_one_of(
       room,
-      "base,base/state,base/parallel,replay,replay/format,replay/file,replay/box,include,engine,engine/"
-      "math,engine/simd,"
-      "engine/json,engine/scene,engine/builtin_scenes,engine/random_worlds,engine/clock,verifier/report,"
-      "verifier/locate,verifier/peers,verifier/verify,verifier/runs,verifier/compare,verifier/compare/many,verifier/"
-      "inject,verifier/corpus,"
-      "verifier/store,verifier/plugins,verifier/programs");
+      "base,base/state,base/parallel,replay,replay/format,replay/file,replay/box,include,engine,engine/math,"
+      "engine/simd,engine/json,engine/scene,engine/builtin_scenes,engine/random_worlds,engine/clock,verifier/report,"
+      "verifier/locate,verifier/peers,verifier/verify,verifier/runs,verifier/compare,verifier/compare/many,"
+      "verifier/inject,verifier/corpus,verifier/store,verifier/plugins,verifier/programs");
 }
 
 inline bool may_include(std::string_view from, std::string_view to) {
