@@ -225,7 +225,8 @@ TICKTRUE_API int ticktrue_add_stage(ticktrue_session* session, const char* name)
 TICKTRUE_API int ticktrue_stage(ticktrue_session* session, const char* name);
 
 /* Inputs of the tick that begins next, in any number of pieces. Record: stores the bytes. Verify: replaces them by the
-   recorded bytes, so both modes can use the same loop. TICKTRUE_END: no more inputs; the bytes are unchanged. */
+   recorded bytes, so both modes can use the same loop. TICKTRUE_END: the trace has no more ticks; the bytes are
+   unchanged. */
 TICKTRUE_API int ticktrue_input(ticktrue_session* session, void* data, size_t size);
 
 /* Marks, for events in a tick that are not state: a random draw, a call, the size of a list. For each tick, the trace

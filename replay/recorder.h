@@ -55,15 +55,14 @@ struct RecordResult {
   std::string note;  // the place of a non-finite value, or the reason of the interruption
 };
 
-/// Records from the current state of the simulation until the end of the source, or until `progress` returns false. A
-/// tick with a non-finite value is not recorded: the trace is closed before it. If the setup has Feature::saves, each
-/// checkpoint has a save, unless the simulation returns none. Requires: SimulationInfo::has_saves if the setup has
-/// Feature::saves.
-/// Errors: unsupported (check_float_behaviour), io, limit, inconsistent (the last two also if a tick fails),
-/// invalid_input (also a session without a tick).
-/// If invalid_input comes from a repeatable source, or before the first tick, no file is left and an overwritten file
-/// is restored. After another error the trace is closed as interrupted, and the message states its content. If
-/// `progress` returns false before the first tick, no file is left, and tick_count and size are 0.
+/// Records from the current state of the simulation until the source ends, options.tick_count ticks are recorded, or
+/// `progress` returns false. A tick with a non-finite value is not recorded: the trace is closed before it. If the
+/// setup has Feature::saves, each checkpoint has a save, unless the simulation returns none. Requires:
+/// SimulationInfo::has_saves if the setup has Feature::saves. Errors: unsupported (check_float_behaviour), io, limit,
+/// inconsistent (the last two also if a tick fails), invalid_input (also a session without a tick). If invalid_input
+/// comes from a repeatable source, or before the first tick, no file is left and an overwritten file is restored. After
+/// another error the trace is closed as interrupted, and the message states its content. If `progress` returns false
+/// before the first tick, no file is left, and tick_count and size are 0.
 Result<RecordResult> record(Simulation& simulation, InputSource& source, const std::string& path,
                             const TraceSetup& setup, const BuildFacts& facts, const RecordOptions& options);
 

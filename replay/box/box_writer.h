@@ -35,9 +35,9 @@ class BoxWriter {
   /// Whether a write did not fit into the slot. Then nothing more is written to the slot.
   bool is_full() const { return is_full_; }
   std::uint64_t room() const { return layout_.slot_size - box_slot_header_size - committed_; }
-  /// Bytes written to all slots, not counting earlier uses of a slot.
+  /// Bytes written to slots since the box was created.
   std::uint64_t written_size() const { return written_size_; }
-  /// Bytes that the slot needed for the last call that did not fit.
+  /// Bytes of the slot that the last write needed, also if it did not fit.
   std::uint64_t wanted_size() const { return wanted_size_; }
   std::uint64_t file_size() const { return layout_.file_size(); }
   std::uint64_t slot_size() const { return layout_.slot_size; }
