@@ -1,5 +1,5 @@
-// The implementation of a corpus run, shared by its source files: plans units, claims and verifies them, stores
-// verdicts. SPDX-License-Identifier: MIT
+// The implementation of a corpus run, shared by its source files: plans, claims, verifies and stores.
+// SPDX-License-Identifier: MIT
 #pragma once
 
 #include <cstddef>
@@ -61,10 +61,10 @@ class CorpusRun {
   Result<std::vector<double>> open_costs();
 
  private:
+  enum class PartResult { open, match, other };
   struct Part {
-    enum class Word { open, match, other };
     bool is_mine = true;  // of this shard
-    Word word = Word::open;
+    PartResult result = PartResult::open;
     Report report;  // unless open
   };
   struct State {

@@ -13,7 +13,7 @@ namespace ticktrue::verifier {
 bool CorpusRun::is_over(const Job& job) {
   const std::lock_guard<std::mutex> guard(lock_);
   const State& state = states_[job.unit];
-  return state.is_done || (job.part && (state.needs_whole || state.parts[*job.part].word != Part::Word::open));
+  return state.is_done || (job.part && (state.needs_whole || state.parts[*job.part].result != PartResult::open));
 }
 
 void CorpusRun::advance(const Job& job) {
@@ -109,17 +109,18 @@ void CorpusRun::part_is_decided(std::size_t i, std::size_t p, Report report) {
     const std::lock_guard<std::mutex> guard(lock_);
     State& state = states_[i];
     Part& part = state.parts[p];
-    if (part.word != Part::Word::open) return;
-    part.word = report.verdict == Verdict::match ? Part::Word::match : Part::Word::other;
+    if (part.result != PartResult::open) return;
+    part.result = report.verdict == Verdict::match ? PartResult::match : PartResult::other;
     part.report = std::move(report);
     ++decided_count_;
-    if (part.word == Part::Word::other && part.is_mine) {
+    if (part.result == PartResult::other && part.is_mine) {
       state.needs_whole = true;
       if (!state.red_part) state.red_part = part.report;
     }
     if (state.needs_whole || !part.is_mine) return;
-    const bool is_last = std::all_of(state.parts.begin(), state.parts.end(),
-                                     [](const Part& each) { return !each.is_mine || each.word == Part::Word::match; });
+    const bool is_last = std::all_of(state.parts.begin(), state.parts.end(), [](const Part& each) {
+      return !each.is_mine || each.result == PartResult::match;
+    });
     if (!is_last) return;
   }
   finish_parts(i);
@@ -132,7 +133,7 @@ void CorpusRun::finish_parts(std::size_t i) {
   if (is_done(i)) return;
   std::vector<const Report*> all, found;
   for (const Part& part : state.parts) {
-    all.push_back(part.word == Part::Word::match ? &part.report : nullptr);
+    all.push_back(part.result == PartResult::match ? &part.report : nullptr);
     if (all.back() != nullptr && part.is_mine) found.push_back(all.back());
   }
   if (std::optional<Report> whole = join_parts(all)) {
