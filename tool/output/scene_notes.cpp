@@ -14,51 +14,9 @@ namespace {
 
 using engine::Body;
 using engine::BodyType;
-using engine::MixRule;
 using engine::Point;
 using engine::Scene;
 using engine::Shape;
-
-double mixed(MixRule rule, double a, double b) {
-  switch (rule) {
-    case MixRule::geometric_mean:
-      return std::sqrt(a * b);
-    case MixRule::maximum:
-      return std::max(a, b);
-    case MixRule::minimum:
-      return std::min(a, b);
-    case MixRule::average:
-      break;
-  }
-  return (a + b) / 2;
-}
-
-// The largest restitution of a pair that may meet; filters and joints do not count.
-double largest_restitution(const Scene& scene) {
-  if (!engine::can_collide(scene)) return 0;
-  double moving[2]{-1, -1};  // the two bodies that bounce most; below 0: there is none
-  double fixed = -1;         // of those that do not move by themselves
-  const auto add = [&](const Body& body) {
-    double value = -1;
-    for (const Shape& shape : body.shapes)
-      if (!shape.sensor) value = std::max(value, shape.material.restitution);
-    if (body.type != BodyType::dynamic_body) {
-      fixed = std::max(fixed, value);
-    } else {
-      moving[1] = std::max(moving[1], std::min(value, moving[0]));
-      moving[0] = std::max(moving[0], value);
-    }
-  };
-  for (const Body& body : scene.bodies) add(body);
-  for (const Body& body : scene.prototypes) {
-    add(body);
-    add(body);  // two of them may meet
-  }
-  double most = 0;
-  for (const double other : {moving[1], fixed})
-    if (moving[0] >= 0 && other >= 0) most = std::max(most, mixed(scene.settings.restitution_mix, moving[0], other));
-  return most;
-}
 
 // Twice the radius of the largest circle about its centroid inside a shape, m; 0 for lines.
 double size_of(const Shape& shape) {
@@ -102,10 +60,8 @@ void add_f32_note(const Scene& scene, std::vector<std::string>& notes) {
 
 std::vector<std::string> scene_notes(const Scene& scene) {
   std::vector<std::string> notes;
-  if (!scene.settings.locate_impacts && largest_restitution(scene) >= 1) {
-    Scene located = scene;
-    located.settings.locate_impacts = true;
-    const bool has_cure = engine::check_scene(located, "scene").has_value();
+  if (!scene.settings.locate_impacts && engine::largest_restitution(scene) >= 1) {
+    const bool has_cure = engine::locates_bounces(scene);
     notes.push_back(std::string("restitution 1 loses energy where impacts are not located in time") +
                     (has_cure ? "; \"locate_impacts\": true keeps it" : ""));
   }

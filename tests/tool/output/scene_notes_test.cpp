@@ -34,7 +34,7 @@ bool tells(const Scene& scene, const std::string& part) {
 TEST_CASE("restitution 1 is told where it loses energy", "[verifier][session][notes]") {
   Scene scene = ball(1, 0);
   CHECK(tells(scene, "restitution 1"));
-  CHECK(tells(scene, "\"locate_impacts\": true"));
+  CHECK(tells(scene, "\"locate_impacts\": \"auto\""));
   scene.settings.integrator = engine::IntegratorKind::velocity_verlet;  // this integrator locates no impacts
   CHECK(tells(scene, "restitution 1"));
   CHECK_FALSE(tells(scene, "locate_impacts"));
