@@ -34,8 +34,13 @@ double size_of(const Shape& shape) {
   return 2 * (least + shape.radius);
 }
 
-void add_f32_note(const Scene& scene, std::vector<std::string>& notes) {
-  if (scene.settings.precision != engine::Precision::f32) return;
+// How far from the origin something moves, and the size of the smallest moving shape, m. HUGE_VAL: none has a size.
+struct SceneReach {
+  double extent = 0;
+  double smallest = HUGE_VAL;
+};
+
+SceneReach reach_of(const Scene& scene) {
   double extent = 0, smallest = HUGE_VAL;
   const auto add_sizes = [&](const Body& body) {
     if (body.type != BodyType::dynamic_body) return;
@@ -48,6 +53,12 @@ void add_f32_note(const Scene& scene, std::vector<std::string>& notes) {
       extent = std::max({extent, std::fabs(body.position.x), std::fabs(body.position.y)});
   }
   for (const Body& body : scene.prototypes) add_sizes(body);
+  return {extent, smallest};
+}
+
+void add_f32_note(const Scene& scene, std::vector<std::string>& notes) {
+  if (scene.settings.precision != engine::Precision::f32) return;
+  const auto [extent, smallest] = reach_of(scene);
   if (!(extent > f32_extent_max * smallest)) return;
   const double rounding = std::ldexp(1.0, std::ilogb(extent) - 23);
   notes.push_back(
@@ -58,12 +69,23 @@ void add_f32_note(const Scene& scene, std::vector<std::string>& notes) {
 
 }  // namespace
 
+Status check_f32_reach(const Scene& scene, const std::string& source) {
+  if (scene.settings.precision != engine::Precision::f32) return {};
+  const auto [extent, smallest] = reach_of(scene);
+  if (!(extent > f32_extent_refused * smallest)) return {};
+  return Error{ErrorCode::incompatible,
+               fmt::format("{}: settings.precision: f32 is too coarse so far from the origin: found a body that moves "
+                           "{:.3g} m out and a shape of {:.2g} m, expected at most {:.3g} m for that shape",
+                           source, extent, smallest, f32_extent_refused * smallest),
+               "use \"precision\": \"f64\", or move the scene to the origin"};
+}
+
 std::vector<std::string> scene_notes(const Scene& scene) {
   std::vector<std::string> notes;
   if (!scene.settings.locate_impacts && engine::largest_restitution(scene) >= 1) {
     const bool has_cure = engine::locates_bounces(scene);
     notes.push_back(std::string("restitution 1 loses energy where impacts are not located in time") +
-                    (has_cure ? "; \"locate_impacts\": true keeps it" : ""));
+                    (has_cure ? "; \"locate_impacts\": \"auto\" keeps it" : ""));
   }
   add_f32_note(scene, notes);
   return notes;
