@@ -60,8 +60,11 @@ endif()
 
 add_library(ticktrue_box2d INTERFACE)
 if(TICKTRUE_WITH_BOX2D)
-  find_library(BOX2D_LIBRARY box2d)
-  find_path(BOX2D_INCLUDE_DIR box2d/box2d.h)
+  # Versions 2.4 and 3 have the same names. This header is of 2.4 alone, and its library is in the same prefix.
+  find_path(BOX2D_INCLUDE_DIR box2d/b2_world.h)
+  get_filename_component(ticktrue_box2d_prefix "${BOX2D_INCLUDE_DIR}" DIRECTORY)
+  find_library(BOX2D_LIBRARY box2d PATHS ${ticktrue_box2d_prefix} NO_DEFAULT_PATH
+    PATH_SUFFIXES lib lib64 lib/${CMAKE_LIBRARY_ARCHITECTURE})
   if(BOX2D_LIBRARY AND BOX2D_INCLUDE_DIR)
     target_link_libraries(ticktrue_box2d INTERFACE ${BOX2D_LIBRARY})
     target_include_directories(ticktrue_box2d SYSTEM INTERFACE ${BOX2D_INCLUDE_DIR})

@@ -123,7 +123,7 @@ inline constexpr HeaderBan header_bans[] = {
     {"", "xxhash.h", "base/row_kernels.cpp", "base/hash.h"},
     {"", "xxh3.h", "base/row_kernels.cpp", "base/hash.h"},
     {"", "zstd.h", "replay/", "TraceReader and TraceWriter"},
-    {"", "box2d/", "tool/box2d/,bench/,tests/causes/clean/,tests/unsaved/box2d_rollback",
+    {"", "box2d/", "tool/box2d/,tool/box2d3/box2d3_run.cpp,bench/,tests/causes/clean/,tests/unsaved/box2d_rollback",
      "tool/box2d/box2d_peer.h (its bits are not portable)"},
     {"", "catch2/", "tests/support/catch.h,tests/main.cpp", "tests/support/catch.h"},
     {"", "CLI/", "tool/,bench/", "an options struct, filled by the subcommand"},

@@ -26,7 +26,7 @@ Point in_frame_of(const Body& body, const Point& point) {
 }
 
 /// Reads a scene. The elements of its lists are read first, one at a time, in the order of the text, and then the rest.
-/// Last, names of bodies and points in world coordinates are resolved.
+/// Last, names of bodies, points in world coordinates and settings that follow from bodies are resolved.
 class SceneJsonReader : public JsonReader {
  public:
   SceneJsonReader(const std::string& source, Scene& scene)
@@ -270,6 +270,7 @@ class SceneJsonReader : public JsonReader {
       if (has_body_a(joint.kind)) joint.anchor_a = in_frame_of(scene_.bodies[joint.body_a], anchor.point);
       joint.anchor_b = in_frame_of(scene_.bodies[joint.body_b], anchor.point);
     }
+    if (locates_by_restitution_) scene_.settings.locate_impacts = locates_bounces(scene_);
     return true;
   }
 
@@ -332,6 +333,12 @@ class SceneJsonReader : public JsonReader {
     bool has_substeps = false;
     std::vector<Field> fields = fields_of(out);
     find(fields, "dt")->read = [&](const JsonValue& v, const JsonPath& p) { return dt(v, p, out.dt); };
+    find(fields, "locate_impacts")->read = [&](const JsonValue& v, const JsonPath& p) {
+      locates_by_restitution_ = v.type == JsonValue::Type::text && v.text == "auto";
+      if (!locates_by_restitution_ && v.type != JsonValue::Type::boolean)
+        return wrong_type(p, v, "true, false or \"auto\"");
+      return locates_by_restitution_ || read(v, p, out.locate_impacts);
+    };
     find(fields, "substeps")->read = [&](const JsonValue& v, const JsonPath& p) { return substeps(v, p, out); };
     note(find(fields, "substeps"), has_substeps);
     if (!object(value, path, fields)) return false;
@@ -358,6 +365,7 @@ class SceneJsonReader : public JsonReader {
   Scene& scene_;
   std::vector<NamedBody> names_;
   std::vector<WorldAnchor> anchors_;
+  bool locates_by_restitution_ = false;  // `"locate_impacts": "auto"`
 };
 
 class InputReader : public JsonReader {

@@ -1,5 +1,7 @@
 // The needs of a scene for the pipeline, and choices that do not go together.
 // SPDX-License-Identifier: MIT
+#include <algorithm>
+
 #include "engine/scene/scene_rules.h"
 
 namespace ticktrue::engine {
@@ -24,6 +26,20 @@ std::string names_where(const Table& table, Predicate wanted) {
   return text.empty() ? last : text + " or " + last;
 }
 
+double mixed_restitution(MixRule rule, double a, double b) {
+  switch (rule) {
+    case MixRule::geometric_mean:
+      return __builtin_sqrt(a * b);
+    case MixRule::maximum:
+      return std::max(a, b);
+    case MixRule::minimum:
+      return std::min(a, b);
+    case MixRule::average:
+      break;
+  }
+  return (a + b) / 2;
+}
+
 }  // namespace
 
 bool can_collide(const Scene& scene) {
@@ -41,6 +57,40 @@ bool can_collide(const Scene& scene) {
       (prototype.type == BodyType::dynamic_body ? dynamic_count : fixed_count) += 2;
   }
   return dynamic_count >= 1 && dynamic_count + fixed_count >= 2;
+}
+
+double largest_restitution(const Scene& scene) {
+  if (!can_collide(scene)) return 0;
+  double moving[2]{-1, -1};  // the two bodies that bounce most; below 0: there is none
+  double fixed = -1;         // of those that do not move by themselves
+  const auto add = [&](const Body& body) {
+    double value = -1;
+    for (const Shape& shape : body.shapes)
+      if (!shape.sensor) value = std::max(value, shape.material.restitution);
+    if (body.type != BodyType::dynamic_body) {
+      fixed = std::max(fixed, value);
+    } else {
+      moving[1] = std::max(moving[1], std::min(value, moving[0]));
+      moving[0] = std::max(moving[0], value);
+    }
+  };
+  for (const Body& body : scene.bodies) add(body);
+  for (const Body& body : scene.prototypes) {
+    add(body);
+    add(body);  // two of them may meet
+  }
+  double most = 0;
+  for (const double other : {moving[1], fixed})
+    if (moving[0] >= 0 && other >= 0)
+      most = std::max(most, mixed_restitution(scene.settings.restitution_mix, moving[0], other));
+  return most;
+}
+
+bool locates_bounces(const Scene& scene) {
+  if (!(largest_restitution(scene) >= 1)) return false;
+  Scene located = scene;
+  located.settings.locate_impacts = true;
+  return check_scene(located, scene.name).has_value();
 }
 
 bool SceneRules::check_choices() {

@@ -47,8 +47,9 @@ struct Box2d3Answer {
   double ms_per_tick = 0;  // of the steps alone, in node
 };
 
-/// Errors: corrupt (not what peer.mjs writes for this scene and plan), unsupported (Box2D 3 refuses the scene; the
-/// message begins with the scene's name).
-Result<Box2d3Answer> read_box2d3_answer(std::string_view text, const engine::Scene& scene, const Box2d3Plan& plan);
+/// `from` begins messages. Errors: corrupt (not what peer.mjs writes for this scene and plan), unsupported (Box2D 3
+/// refuses the scene; the message begins with the scene's name).
+Result<Box2d3Answer> read_box2d3_answer(std::string_view text, const engine::Scene& scene, const Box2d3Plan& plan,
+                                        const std::string& from = "box2d3: the answer of node");
 
 }  // namespace ticktrue::verifier

@@ -16,6 +16,7 @@
 #include "engine/builtin_scenes/builtin_scenes.h"
 #include "engine/json/nearest_name.h"
 #include "engine/scene/scene_json.h"
+#include "tool/output/scene_notes.h"
 #include "verifier/runs/data_file.h"
 
 namespace ticktrue::cli {
@@ -164,7 +165,7 @@ std::string nearest_name(std::string_view typed, const std::vector<std::string>&
   return std::string(engine::nearest_name(typed, {candidates.begin(), candidates.end()}));
 }
 
-Result<engine::Scene> load_scene_argument(const std::string& text) {
+Result<engine::Scene> load_session_scene(const std::string& text) {
   std::error_code code;
   if (ends_with(text, ".json") || std::filesystem::exists(text, code)) {
     const Result<std::string> json = read_text_file(text, limits::scene_file_size_max);
@@ -195,6 +196,13 @@ Result<engine::Scene> load_scene_argument(const std::string& text) {
   const std::string nearest = nearest_parameter(text);
   if (nearest.empty()) return scene;
   return Error{scene.error().code, scene.error().message, "did you mean " + nearest + "?"};
+}
+
+Result<engine::Scene> load_scene_argument(const std::string& text) {
+  Result<engine::Scene> scene = load_session_scene(text);
+  if (!scene) return scene;
+  if (const Status status = verifier::check_f32_reach(*scene, text); !status) return status.error();
+  return scene;
 }
 
 Result<TickRange> parse_tick_range(const std::string& text, const std::string& option) {

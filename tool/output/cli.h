@@ -66,8 +66,12 @@ bool output_is_open();
 Status flush_output();
 
 /// A SCENE argument: a JSON file if it ends in .json or exists as a file, else a built-in `name?key=value&...`.
-/// Errors: io, usage (unknown name, with a suggestion), invalid_scene, limit, incompatible.
+/// Errors: io, usage (unknown name, with a suggestion), invalid_scene, limit, incompatible (also f32 too far from the
+/// origin: check_f32_reach).
 Result<engine::Scene> load_scene_argument(const std::string& text);
+/// The same without check_f32_reach, for the scene of a session that `reduce` or `soak` wrote: such a scene may come
+/// from a trace.
+Result<engine::Scene> load_session_scene(const std::string& text);
 
 /// The whole content of a file of at most `size_max` bytes. Errors: io, limit.
 Result<std::string> read_text_file(const std::string& path, std::size_t size_max);

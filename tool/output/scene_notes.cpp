@@ -14,51 +14,9 @@ namespace {
 
 using engine::Body;
 using engine::BodyType;
-using engine::MixRule;
 using engine::Point;
 using engine::Scene;
 using engine::Shape;
-
-double mixed(MixRule rule, double a, double b) {
-  switch (rule) {
-    case MixRule::geometric_mean:
-      return std::sqrt(a * b);
-    case MixRule::maximum:
-      return std::max(a, b);
-    case MixRule::minimum:
-      return std::min(a, b);
-    case MixRule::average:
-      break;
-  }
-  return (a + b) / 2;
-}
-
-// The largest restitution of a pair that may meet; filters and joints do not count.
-double largest_restitution(const Scene& scene) {
-  if (!engine::can_collide(scene)) return 0;
-  double moving[2]{-1, -1};  // the two bodies that bounce most; below 0: there is none
-  double fixed = -1;         // of those that do not move by themselves
-  const auto add = [&](const Body& body) {
-    double value = -1;
-    for (const Shape& shape : body.shapes)
-      if (!shape.sensor) value = std::max(value, shape.material.restitution);
-    if (body.type != BodyType::dynamic_body) {
-      fixed = std::max(fixed, value);
-    } else {
-      moving[1] = std::max(moving[1], std::min(value, moving[0]));
-      moving[0] = std::max(moving[0], value);
-    }
-  };
-  for (const Body& body : scene.bodies) add(body);
-  for (const Body& body : scene.prototypes) {
-    add(body);
-    add(body);  // two of them may meet
-  }
-  double most = 0;
-  for (const double other : {moving[1], fixed})
-    if (moving[0] >= 0 && other >= 0) most = std::max(most, mixed(scene.settings.restitution_mix, moving[0], other));
-  return most;
-}
 
 // Twice the radius of the largest circle about its centroid inside a shape, m; 0 for lines.
 double size_of(const Shape& shape) {
@@ -76,8 +34,13 @@ double size_of(const Shape& shape) {
   return 2 * (least + shape.radius);
 }
 
-void add_f32_note(const Scene& scene, std::vector<std::string>& notes) {
-  if (scene.settings.precision != engine::Precision::f32) return;
+// How far from the origin something moves, and the size of the smallest moving shape, m. HUGE_VAL: none has a size.
+struct SceneReach {
+  double extent = 0;
+  double smallest = HUGE_VAL;
+};
+
+SceneReach reach_of(const Scene& scene) {
   double extent = 0, smallest = HUGE_VAL;
   const auto add_sizes = [&](const Body& body) {
     if (body.type != BodyType::dynamic_body) return;
@@ -90,6 +53,12 @@ void add_f32_note(const Scene& scene, std::vector<std::string>& notes) {
       extent = std::max({extent, std::fabs(body.position.x), std::fabs(body.position.y)});
   }
   for (const Body& body : scene.prototypes) add_sizes(body);
+  return {extent, smallest};
+}
+
+void add_f32_note(const Scene& scene, std::vector<std::string>& notes) {
+  if (scene.settings.precision != engine::Precision::f32) return;
+  const auto [extent, smallest] = reach_of(scene);
   if (!(extent > f32_extent_max * smallest)) return;
   const double rounding = std::ldexp(1.0, std::ilogb(extent) - 23);
   notes.push_back(
@@ -100,14 +69,23 @@ void add_f32_note(const Scene& scene, std::vector<std::string>& notes) {
 
 }  // namespace
 
+Status check_f32_reach(const Scene& scene, const std::string& source) {
+  if (scene.settings.precision != engine::Precision::f32) return {};
+  const auto [extent, smallest] = reach_of(scene);
+  if (!(extent > f32_extent_refused * smallest)) return {};
+  return Error{ErrorCode::incompatible,
+               fmt::format("{}: settings.precision: f32 is too coarse so far from the origin: found a body that moves "
+                           "{:.3g} m out and a shape of {:.2g} m, expected at most {:.3g} m for that shape",
+                           source, extent, smallest, f32_extent_refused * smallest),
+               "use \"precision\": \"f64\", or move the scene to the origin"};
+}
+
 std::vector<std::string> scene_notes(const Scene& scene) {
   std::vector<std::string> notes;
-  if (!scene.settings.locate_impacts && largest_restitution(scene) >= 1) {
-    Scene located = scene;
-    located.settings.locate_impacts = true;
-    const bool has_cure = engine::check_scene(located, "scene").has_value();
+  if (!scene.settings.locate_impacts && engine::largest_restitution(scene) >= 1) {
+    const bool has_cure = engine::locates_bounces(scene);
     notes.push_back(std::string("restitution 1 loses energy where impacts are not located in time") +
-                    (has_cure ? "; \"locate_impacts\": true keeps it" : ""));
+                    (has_cure ? "; \"locate_impacts\": \"auto\" keeps it" : ""));
   }
   add_f32_note(scene, notes);
   return notes;

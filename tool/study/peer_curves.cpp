@@ -1,46 +1,56 @@
-// Error against run time beside Box2D, on four scenes whose ideal geometry is known.
+// Error against run time beside Box2D, on scenes whose ideal geometry is known.
 // SPDX-License-Identifier: MIT
 #include "tool/study/peer_curves.h"
 
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <filesystem>
 #include <iterator>
+#include <memory>
 #include <optional>
 
+#include "engine/json/json_tree.h"
 #include "tool/box2d/box2d_peer.h"
 #include "tool/box2d3/box2d3_peer.h"
+#include "tool/box2d3/engine_program.h"
 #include "tool/study/worlds.h"
 
 namespace ticktrue::verifier {
 namespace {
 
+using engine::Point;
 using engine::Precision;
 using engine::Scene;
 
-constexpr int tick_count = 600;
 constexpr int sample_interval = 6;  // ticks
 
 struct PeerScene {
   std::string name;
   std::string measure;
   bool is_chain = false;
-  int first_tick = 450;  // samples count from this tick on
+  int first_tick = 0;  // samples count from this tick on
+  int tick_count = 0;
   Scene scene;
 };
 
 std::vector<PeerScene> peer_scenes() {
   Scene ratio = worlds::stack(Precision::f32, 10);
   ratio.bodies.back().mass = engine::ExplicitMass{100, {}, {}};
+  const Point down{0, -1}, across{1, 0};
   return {
-      {"stack_40", "40 boxes of 1 m: distance from their places, last quarter of 10 s", false, 450,
+      {"stack_40", "40 boxes of 1 m: distance from their places, last quarter of 10 s", false, 450, 600,
        worlds::stack(Precision::f32, 40)},
       {"stack_ratio_100", "10 boxes of 1 m, the top one of 100 kg: distance from their places, last quarter of 10 s",
-       false, 450, ratio},
+       false, 450, 600, ratio},
       {"hanging_chain", "20 links of 1 m and 1 kg, 100 kg at the end, hanging: gaps of joints, last quarter of 10 s",
-       true, 450, worlds::chain(Precision::f32, 20, {0, -1}, 100)},
-      {"swinging_chain", "10 links of 1 m and 1 kg let go level: gaps of joints, all of 10 s", true, 0,
-       worlds::chain(Precision::f32, 10, {1, 0}, 1)}};
+       true, 450, 600, worlds::chain(Precision::f32, 20, down, 100)},
+      {"heavy_chain", "100 links of 1 m and 1 kg, 100 kg at the end, hanging: gaps of joints, last quarter of 10 s",
+       true, 450, 600, worlds::chain(Precision::f32, 100, down, 100)},
+      {"swinging_chain", "10 links of 1 m and 1 kg let go level: gaps of joints, all of 10 s", true, 0, 600,
+       worlds::chain(Precision::f32, 10, across, 1)},
+      {"swinging_chain_50", "50 links of 1 m and 1 kg let go level: gaps of joints, all of 2 s", true, 0, 120,
+       worlds::chain(Precision::f32, 50, across, 1)}};
 }
 
 // The error of each box of a stack against the ideal stack, in which boxes touch. Upwards: the sum of the gaps below
@@ -78,7 +88,7 @@ template <typename Step, typename Report>
 Result<PeerErrors> run_once(const PeerScene& scene, double skin, double& time_ms, Step step, Report report) {
   PeerErrors errors;
   double sum_s = 0;
-  for (int tick = sample_interval; tick <= tick_count; tick += sample_interval) {
+  for (int tick = sample_interval; tick <= scene.tick_count; tick += sample_interval) {
     const double start = computed_s();
     for (int i = 0; i < sample_interval; ++i)
       if (const Status did = step(); !did) return did.error();
@@ -87,7 +97,7 @@ Result<PeerErrors> run_once(const PeerScene& scene, double skin, double& time_ms
     const Bodies bodies = report();
     errors.add(scene.is_chain ? joint_gaps(scene.scene, bodies) : stack_errors(bodies, skin));
   }
-  time_ms = sum_s * 1e3 / tick_count;
+  time_ms = sum_s * 1e3 / scene.tick_count;
   return errors;
 }
 
@@ -98,23 +108,28 @@ struct PeerSetting {
   int position_iterations = 0;
 };
 
-Result<PeerErrors> run_setting(const PeerScene& scene, const PeerSetting& setting, double& time_ms) {
+// The error of a run that is finished and played back.
+Result<PeerErrors> play_run(const PeerScene& scene, Result<std::unique_ptr<Box2d3Peer>> run, double& time_ms) {
+  if (!run) return run.error();
+  const auto step = [&] {
+    (*run)->step();
+    return Status();
+  };
+  Result<PeerErrors> errors = run_once(scene, (*run)->skin(), time_ms, step, [&] { return (*run)->bodies(); });
+  time_ms = (*run)->ms_per_tick();  // of the run itself: above it was only played back
+  return errors;
+}
+
+Result<PeerErrors> run_setting(const PeerScene& scene, const PeerSetting& setting, const std::string& engine_program,
+                               double& time_ms) {
+  Box2d3Plan plan;
+  plan.tick_count = static_cast<std::uint64_t>(scene.tick_count);
+  plan.body_interval = sample_interval;
+  plan.warm_up = true;
   if (setting.peer == PeerKind::box2d3) {
-    Box2d3Plan plan;
-    plan.tick_count = tick_count;
-    plan.body_interval = sample_interval;
-    plan.warm_up = true;
     Box2d3Options options;
     options.substeps = setting.substeps;
-    auto peer = make_box2d3_peer(scene.scene, options, plan);
-    if (!peer) return peer.error();
-    const auto step = [&] {
-      (*peer)->step();
-      return Status();
-    };
-    Result<PeerErrors> errors = run_once(scene, (*peer)->skin(), time_ms, step, [&] { return (*peer)->bodies(); });
-    time_ms = (*peer)->ms_per_tick();  // the run itself: above it was only played back
-    return errors;
+    return play_run(scene, make_box2d3_peer(scene.scene, options, plan), time_ms);
   }
   if (setting.peer == PeerKind::box2d2) {
     Box2dOptions options;
@@ -130,6 +145,8 @@ Result<PeerErrors> run_setting(const PeerScene& scene, const PeerSetting& settin
   }
   Scene ours = scene.scene;
   ours.settings.substeps = setting.substeps;
+  if (!engine_program.empty())
+    return play_run(scene, make_engine_program_peer(engine_program, ours, {}, plan), time_ms);
   auto engine = engine::make_engine(ours);
   if (!engine) return engine.error();
   const TickInput input{ours.settings.dt, {}};
@@ -159,13 +176,28 @@ std::vector<PeerSetting> peer_settings(const std::vector<PeerKind>& kinds) {
   return all;
 }
 
-// Errors at equal substeps. Nothing is judged: the times of WebAssembly are not comparable with native ones.
+// Errors: usage.
+Status check_engine_program(const PeerCurvesOptions& options) {
+  const std::string& program = options.engine_program;
+  if (program.empty()) return {};
+  std::error_code failed;
+  if (!std::filesystem::exists(program, failed))
+    return Error{ErrorCode::usage, "--engine: found no file " + engine::in_quotes(program) + ", expected an engine_run",
+                 "./dev setup wasm && ./dev build wasm engine_run makes build/wasm/engine_run.js"};
+  if (runs_in_node(program))
+    for (const PeerKind kind : options.kinds)
+      if (kind != PeerKind::box2d3)
+        return Error{ErrorCode::usage, "--engine: WebAssembly is compared with box2d3 alone: found --peer box2d2",
+                     "leave out --engine, or give --peer box2d3"};
+  return {};
+}
+
+// Errors at equal substeps. Nothing is judged: times of WebAssembly are not comparable with native ones.
 void conclude_without_time(PeerCurves& curves) {
-  curves.is_judged = false;
   const PeerPoint* theirs = best_within(curves.box2d, HUGE_VAL);
   const PeerPoint* ours = theirs ? find_setting(curves.ours, theirs->setting) : nullptr;
   curves.ratio = ours && theirs->error > 0 ? ours->error / theirs->error : HUGE_VAL;
-  curves.conclusion = "Box2D 3 runs as WebAssembly: its times are not comparable with native ones. ";
+  curves.conclusion = "One of the two runs as WebAssembly: their times are not comparable. ";
   for (const PeerPoint* point : {theirs, find_setting(curves.box2d, "4 sub"), find_setting(curves.box2d, "8 sub"),
                                  find_setting(curves.box2d, "16 sub")}) {
     const PeerPoint* own = point ? find_setting(curves.ours, point->setting) : nullptr;
@@ -193,7 +225,7 @@ const PeerPoint* find_setting(const std::vector<PeerPoint>& points, const std::s
 }
 
 void conclude(PeerCurves& curves) {
-  if (curves.peer == PeerKind::box2d3) return conclude_without_time(curves);
+  if (!curves.is_judged) return conclude_without_time(curves);
   const PeerPoint* theirs = best_within(curves.box2d, HUGE_VAL);
   const PeerPoint* ours = theirs ? best_within(curves.ours, theirs->time_ms.min) : nullptr;
   curves.ratio = ours && theirs->error > 0 ? ours->error / theirs->error : HUGE_VAL;
@@ -211,23 +243,23 @@ void conclude(PeerCurves& curves) {
   curves.conclusion = text;
 }
 
-Result<std::vector<PeerCurves>> run_peer_curves(
-    const std::vector<std::string>& names, const std::vector<PeerKind>& kinds, int repeat_max,
-    const std::function<void(std::uint64_t done, std::uint64_t total)>& progress) {
+Result<std::vector<PeerCurves>> run_peer_curves(const PeerCurvesOptions& options) {
+  const std::vector<std::string>& names = options.names;
+  const std::vector<PeerKind>& kinds = options.kinds;
   std::vector<PeerScene> scenes;
   for (PeerScene& scene : peer_scenes())
     if (names.empty() || std::find(names.begin(), names.end(), scene.name) != names.end())
       scenes.push_back(std::move(scene));
-  if (scenes.size() < std::max<std::size_t>(1, names.size()))
-    return Error{
-        ErrorCode::usage,
-        "accuracy --peer: found a scene it does not have, expected stack_40, stack_ratio_100, hanging_chain or "
-        "swinging_chain",
-        {}};
+  if (scenes.size() < std::max<std::size_t>(1, names.size())) {
+    std::string known;
+    for (const std::string_view name : peer_scene_names) known += (known.empty() ? "" : ", ") + std::string(name);
+    return Error{ErrorCode::usage, "accuracy --peer: found a scene it does not have, expected some of " + known, {}};
+  }
+  if (const Status usable = check_engine_program(options); !usable) return usable.error();
   for (const PeerKind kind : kinds)
     if (const Result<std::string> version = engine::info_of(peers, kind).version(); !version) return version.error();
   const std::vector<PeerSetting> all = peer_settings(kinds);
-  const int repeat_count = std::max(1, repeat_max);
+  const int repeat_count = std::max(1, options.repeat_max);
   std::uint64_t done = 0;
   const std::uint64_t total = scenes.size() * all.size() * static_cast<std::uint64_t>(repeat_count);
   std::vector<PeerCurves> out;
@@ -237,11 +269,11 @@ Result<std::vector<PeerCurves>> run_peer_curves(
     for (int repeat = 0; repeat < repeat_count; ++repeat)
       for (std::size_t i = 0; i < all.size(); ++i) {
         double time_ms = 0;
-        const Result<PeerErrors> run = run_setting(scene, all[i], time_ms);
+        const Result<PeerErrors> run = run_setting(scene, all[i], options.engine_program, time_ms);
         if (!run) return run.error();
         errors[i] = *run;
         times[i].push_back(time_ms);
-        if (progress) progress(++done, total);
+        if (options.progress) options.progress(++done, total);
       }
     std::vector<PeerPoint> points;  // by setting
     for (std::size_t i = 0; i < all.size(); ++i) {
@@ -258,6 +290,10 @@ Result<std::vector<PeerCurves>> run_peer_curves(
       curves.name = scene.name;
       curves.peer = kind;
       curves.measure = scene.measure;
+      curves.own_label = runs_in_node(options.engine_program) ? "tgs_soft, wasm" : "tgs_soft";
+      const bool is_wasm = kind == PeerKind::box2d3 && box2d3_runs_in_node();
+      curves.peer_label = is_wasm ? "Box2D 3, wasm" : kind == PeerKind::box2d3 ? "Box2D 3" : "Box2D";
+      curves.is_judged = is_wasm == runs_in_node(options.engine_program);
       for (std::size_t i = 0; i < all.size(); ++i) {
         if (!all[i].peer) curves.ours.push_back(points[i]);
         if (all[i].peer == kind) curves.box2d.push_back(points[i]);

@@ -1,4 +1,4 @@
-// Error against run time beside Box2D, on four scenes: this engine and Box2D 3 over substeps, Box2D 2.4.1 over
+// Error against run time beside Box2D, on six scenes: this engine and Box2D 3 over substeps, Box2D 2.4.1 over
 // iterations.
 // SPDX-License-Identifier: MIT
 //
@@ -6,13 +6,16 @@
 // In a chain, the error is the distance between two anchors that should coincide. Box2D keeps polygons up to two skins
 // (0.02 m) apart in 2.4.1: in a stack, gaps of at most two skins count as no error. Joints have no skin.
 // Box2D 3 has no skin. Each repeat runs every setting of this engine and then every setting of each peer, on one
-// thread. Box2D 3 runs as WebAssembly in node: its times are not comparable with native ones, so errors are compared at
-// equal substeps, and nothing is judged.
+// thread. Where Box2D 3 runs as WebAssembly in node, its times are not comparable with native ones. If this engine runs
+// in this process, errors are therefore compared at equal substeps, and nothing is judged. Where it runs in node as well
+// (PeerCurvesOptions::engine_program), both times are those of the steps alone, in node, after a warm-up.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <functional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "base/result.h"
@@ -32,11 +35,13 @@ struct PeerPoint {
 struct PeerCurves {
   std::string name;
   PeerKind peer = PeerKind::box2d2;
-  std::string measure;  // definition of the error, and when samples are taken
+  std::string own_label;   // of tables and plots: "tgs_soft", "tgs_soft, wasm"
+  std::string peer_label;  // "Box2D", "Box2D 3", "Box2D 3, wasm"
+  std::string measure;     // definition of the error, and when samples are taken
   std::vector<PeerPoint> ours;
   std::vector<PeerPoint> box2d;
   double ratio = 0;       // the best error here within the time of Box2D's best point, over the error of that point
-  bool is_judged = true;  // false: the times of the peer are not comparable; ratio is that of equal substeps
+  bool is_judged = true;  // false: the times of the two are not comparable; ratio is that of equal substeps
   bool holds = false;     // is_judged, and ratio is at most 0.5
   std::string conclusion;
 };
@@ -46,14 +51,22 @@ struct PeerCurves {
 const PeerPoint* best_within(const std::vector<PeerPoint>& points, double time_ms);
 /// The point of the setting with this name. Null if there is none.
 const PeerPoint* find_setting(const std::vector<PeerPoint>& points, const std::string& setting);
-/// Fills ratio, is_judged, holds and conclusion.
+/// Fills ratio, holds and conclusion.
 void conclude(PeerCurves& curves);
 
-/// The curves of the named scenes; without names, of all four: stack_40, stack_ratio_100, hanging_chain,
-/// swinging_chain. For each scene one entry for each of `kinds`, in this order. Errors: usage (unknown name; no node or
-/// no package for Box2D 3), unsupported (a build without Box2D), those of a run of Box2D 3.
-Result<std::vector<PeerCurves>> run_peer_curves(
-    const std::vector<std::string>& names, const std::vector<PeerKind>& kinds, int repeat_max,
-    const std::function<void(std::uint64_t done, std::uint64_t total)>& progress);
+struct PeerCurvesOptions {
+  std::vector<std::string> names;  // of peer_scene_names; none: all of them
+  std::vector<PeerKind> kinds;
+  int repeat_max = 1;
+  std::string engine_program;  // an engine_run of any preset, in place of the engine in this process; empty: none
+  std::function<void(std::uint64_t done, std::uint64_t total)> progress;
+};
+inline constexpr std::array<std::string_view, 6> peer_scene_names{
+    "stack_40", "stack_ratio_100", "hanging_chain", "heavy_chain", "swinging_chain", "swinging_chain_50"};
+
+/// For each scene one entry for each kind, in this order. Errors: usage (unknown name; no node or no package for Box2D
+/// 3; no such engine program, or WebAssembly beside Box2D 2.4.1), unsupported (a build without Box2D), those of a run
+/// of Box2D 3 or of the engine program.
+Result<std::vector<PeerCurves>> run_peer_curves(const PeerCurvesOptions& options);
 
 }  // namespace ticktrue::verifier

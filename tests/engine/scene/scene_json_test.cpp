@@ -411,6 +411,38 @@ TEST_CASE("bad input lines are refused with file, line and reason", "[engine][sc
              StartsWith("f.jsonl:7: line too long"));
 }
 
+TEST_CASE("impacts are located automatically where a pair has restitution 1", "[engine][scene_json][analytic]") {
+  // A ball above a floor. The settings come before the bodies in the text.
+  const auto scene_of = [](const std::string& settings, const std::string& ball, const std::string& floor) {
+    const auto scene =
+        parse_scene("{\"settings\":{" + settings +
+                        "},\"bodies\":[{\"position\":[0,5],\"shapes\":[{\"type\":\"circle\",\"radius\":1" + ball +
+                        "}]},{\"type\":\"static\",\"shapes\":[{\"type\":\"box\",\"half_size\":[9,1]" + floor + "}]}]}",
+                    "s.json");
+    if (!scene) FAIL(scene.error().message);
+    return *scene;
+  };
+  const std::string automatic = R"("locate_impacts":"auto")", full = R"(,"restitution":1)",
+                    less = R"(,"restitution":0.99)";
+  CHECK(scene_of(automatic, full, "").settings.locate_impacts);
+  CHECK(scene_of(automatic, "", full).settings.locate_impacts);
+  CHECK_FALSE(scene_of(automatic, less, less).settings.locate_impacts);
+  CHECK_FALSE(scene_of(automatic + R"(,"restitution_mix":"min")", full, less).settings.locate_impacts);
+  CHECK_FALSE(scene_of("", full, full).settings.locate_impacts);
+  CHECK_FALSE(scene_of(R"("locate_impacts":false)", full, full).settings.locate_impacts);
+  // Other integrators locate no impacts: true is refused there, and auto is off.
+  const std::string verlet = R"(,"integrator":"velocity_verlet")";
+  CHECK_FALSE(scene_of(automatic + verlet, full, full).settings.locate_impacts);
+  CHECK_THAT(json_refusal("{\"settings\":{\"locate_impacts\":true" + verlet + "}}"),
+             Contains("settings.locate_impacts"));
+  CHECK(json_refusal(R"({"settings":{"locate_impacts":"always"}})") ==
+        R"(s.json: settings.locate_impacts: wrong type: found "always", expected true, false or "auto")");
+  // A scene that was read has the choice itself, in print and in a setup.
+  const Scene chosen = scene_of(automatic, full, "");
+  CHECK_THAT(print_scene(chosen), Contains(R"("locate_impacts": true)"));
+  CHECK(encode_scene(chosen) == encode_scene(scene_of(R"("locate_impacts":true)", full, "")));
+}
+
 TEST_CASE("the JSON Schema and the parser know the same keys and names", "[engine][scene_json][equivalence]") {
   const json schema = json::parse(file_text(scenes_folder / "scene.schema.json"));
   const json& defs = schema["$defs"];

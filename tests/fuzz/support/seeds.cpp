@@ -523,6 +523,6 @@ int main(int argument_count, char** arguments) {
   seed_programs();
   seed_mark_logs();
   seed_stored();
-  for (const char* harness : {"scene", "input_lines", "rube"}) write_texts(harness);
+  for (const char* harness : {"scene", "input_lines", "rube", "box2d3"}) write_texts(harness);
   return 0;
 }

@@ -45,6 +45,7 @@ int fuzz_box(const std::uint8_t*, std::size_t);
 int fuzz_elf(const std::uint8_t*, std::size_t);
 int fuzz_program(const std::uint8_t*, std::size_t);
 int fuzz_mark_log(const std::uint8_t*, std::size_t);
+int fuzz_box2d3(const std::uint8_t*, std::size_t);
 }
 
 namespace ticktrue::fuzz {
@@ -63,7 +64,8 @@ const std::map<std::string, Harness> harnesses{{"trace", fuzz_trace},     {"trac
                                                {"mouse", fuzz_mouse},     {"host", fuzz_host},
                                                {"verdict", fuzz_verdict}, {"peers", fuzz_peers},
                                                {"box", fuzz_box},         {"elf", fuzz_elf},
-                                               {"program", fuzz_program}, {"mark_log", fuzz_mark_log}};
+                                               {"program", fuzz_program}, {"mark_log", fuzz_mark_log},
+                                               {"box2d3", fuzz_box2d3}};
 
 Bytes read_file(const fs::path& path) {
   std::ifstream in(path, std::ios::binary);

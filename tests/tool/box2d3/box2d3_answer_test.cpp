@@ -88,7 +88,8 @@ TEST_CASE("an answer of Box2D 3 with any line damaged is refused with its place"
           "[verifier][crosscheck][box2d3][corruption]") {
   CHECK(damage_found(lines_of({good_head, good_first, good_second, good_end})).empty());
   CHECK_THAT(damage_found(""), Contains("line 1"));
-  CHECK_THAT(damage_found("hello\n"), Contains("line 1 of the answer of node: not a JSON object: found \"hello\""));
+  CHECK_THAT(damage_found("hello\n"),
+             Contains("box2d3: the answer of node: line 1: not an object of known keys: found \"hello\""));
   CHECK_THAT(damage_found(lines_of({"{}", good_first, good_second, good_end})), Contains("the head"));
   CHECK_THAT(damage_found(lines_of({good_head, good_second, good_first, good_end})), Contains("expected tick 1"));
   CHECK_THAT(damage_found(lines_of({good_head, good_first, good_end})), Contains("expected tick 2"));
@@ -114,6 +115,15 @@ TEST_CASE("an answer of Box2D 3 with any line damaged is refused with its place"
   CHECK_FALSE(first_with("[1,1e999,0.5,1,0,0,0,0]").empty());
   CHECK_FALSE(first_with("[1,0,0,1,0,0,0,0,1,0,0,1,0,0,0,0]").empty());  // the same body twice
   CHECK_FALSE(first_with("{}").empty());
+  // A list ends at its limit, and nothing but lists of numbers is stored: two bodies have sixteen numbers.
+  const std::string sixteen = "0,0,0,0,0,0,0,0,0,0,0,0,0,0,0,0";
+  CHECK_THAT(first_with("[" + sixteen + "]"), Contains("the tick"));
+  for (const std::string& line :
+       {"[" + sixteen + ",0]", std::string("[[0]]"), std::string("{\"a\":0}"), std::string("[0,\"a\"]"),
+        std::string("[true]"), std::string("[],\"bodies\":[]"), std::string("[],\"else\":[]")}) {
+    INFO(line);
+    CHECK_THAT(first_with(line), Contains("not an object of known keys"));
+  }
   const auto contacts_with = [&](const std::string& contacts) {
     const std::string second = R"({"tick":2,"bodies":[],"contacts":)" + contacts + "}";
     return damage_found(lines_of({good_head, good_first, second, good_end}));
@@ -145,7 +155,7 @@ TEST_CASE("a child that fails, hangs, prints too much or is killed gives an erro
   CHECK_THAT(too_long.message, Contains("printed more than"));
   const Error not_json = failure_with("echo 'Segmentation fault'");
   CHECK(not_json.code == ErrorCode::corrupt);
-  CHECK_THAT(not_json.message, Contains("not a JSON object"));
+  CHECK_THAT(not_json.message, Contains("not an object of known keys"));
 
   // The cross-check of such a child ends with the error: it has no report, and so no verdict.
   const FakeNode fake("echo nonsense");
@@ -192,4 +202,28 @@ TEST_CASE("without node or package, the message says how to get them", "[verifie
   REQUIRE_FALSE(version);
   CHECK_THAT(version.error().message, Contains("box2d3 needs node and npm's box2d3-wasm: node cannot be started"));
   CHECK_FALSE(verifier::make_box2d3_peer(stack_scene(1), {}, two_ticks()));
+}
+
+TEST_CASE("a program that the variable names answers in place of node", "[verifier][crosscheck][box2d3]") {
+  const FakeNode fake("exit 3");
+  const std::string program = (fake.path() / "own_box2d3").string();
+  std::ofstream(program) << "#!/bin/sh\nif [ \"$1\" = --version ]; then echo 3.9.9; exit; fi\ncat << 'END'\n"
+                         << lines_of({good_head, good_first, good_second, good_end}) << "END\n";
+  std::filesystem::permissions(program, std::filesystem::perms::owner_all);
+  {
+    const Variable folder(verifier::box2d3_variable, fake.path().string());
+    CHECK(verifier::box2d3_runs_in_node());
+  }
+  const Variable named(verifier::box2d3_variable, program);
+  CHECK_FALSE(verifier::box2d3_runs_in_node());
+  CHECK(*verifier::box2d3_version() == "3 (native 3.9.9)");
+  auto peer = verifier::make_box2d3_peer(stack_scene(1), {}, two_ticks());
+  if (!peer) FAIL(peer.error().message);
+  (*peer)->step();
+  CHECK((*peer)->bodies()[1].center.y == 0.5);
+  CHECK((*peer)->ms_per_tick() == 0.5);
+  std::ofstream(program) << "#!/bin/sh\necho nonsense\n";
+  const auto damaged = verifier::make_box2d3_peer(stack_scene(1), {}, two_ticks());
+  REQUIRE_FALSE(damaged);
+  CHECK_THAT(damaged.error().message, Contains("box2d3: the answer of own_box2d3: line 1"));
 }

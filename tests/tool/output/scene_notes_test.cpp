@@ -5,6 +5,7 @@
 #include <string>
 
 #include "engine/builtin_scenes/builtin_scenes.h"
+#include "engine/engine.h"
 #include "tests/support/catch.h"
 #include "tests/support/scenes.h"
 #include "tests/support/text.h"
@@ -34,7 +35,7 @@ bool tells(const Scene& scene, const std::string& part) {
 TEST_CASE("restitution 1 is told where it loses energy", "[verifier][session][notes]") {
   Scene scene = ball(1, 0);
   CHECK(tells(scene, "restitution 1"));
-  CHECK(tells(scene, "\"locate_impacts\": true"));
+  CHECK(tells(scene, "\"locate_impacts\": \"auto\""));
   scene.settings.integrator = engine::IntegratorKind::velocity_verlet;  // this integrator locates no impacts
   CHECK(tells(scene, "restitution 1"));
   CHECK_FALSE(tells(scene, "locate_impacts"));
@@ -88,6 +89,29 @@ TEST_CASE("f32 far from the origin is told beyond 2^17 sizes of the smallest mov
   CHECK(scene_notes(scene).empty());
   scene.bodies[1].shapes[0] = box_shape(1, 0.005);
   CHECK(tells(scene, "f64"));
+}
+
+TEST_CASE("f32 is refused beyond 2^20 sizes of the smallest moving shape", "[verifier][session][notes]") {
+  Scene scene = ball(0, 0);  // the disc is 1 m wide
+  scene.bodies[1].position.x = 0x1p20;
+  CHECK(verifier::check_f32_reach(scene, "far.json"));
+  CHECK(tells(scene, "\"precision\": \"f64\""));
+  scene.bodies[1].position = {0, -0x1p20 * 1.001};
+  const Status refused = verifier::check_f32_reach(scene, "far.json");
+  REQUIRE_FALSE(refused);
+  CHECK(refused.error().code == ErrorCode::incompatible);
+  CHECK(contains(refused.error().message, "far.json: settings.precision: f32 is too coarse"));
+  CHECK(contains(refused.error().hint, "\"precision\": \"f64\""));
+  // A trace of such a scene still runs: neither the rules of scenes nor the engine refuse it.
+  CHECK(engine::check_scene(scene, "far"));
+  CHECK(engine::make_engine(scene).has_value());
+  scene.settings.precision = Precision::f64;
+  CHECK(verifier::check_f32_reach(scene, "far.json"));
+  // What does not move may be anywhere.
+  scene.settings.precision = Precision::f32;
+  scene.bodies[1].position = {0, 5};
+  scene.bodies[0].position.x = 0x1p22;
+  CHECK(verifier::check_f32_reach(scene, "far.json"));
 }
 
 TEST_CASE("no built-in scene is far out, and only elastic ones lose energy", "[verifier][session][notes]") {

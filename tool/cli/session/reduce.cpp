@@ -56,7 +56,7 @@ Result<SoakCase> read_subject(const ReduceCommand& command) {
       return Error{ErrorCode::usage, "--inputs: a trace has its own inputs: found --inputs " + command.inputs, ""};
     return reduce::read_trace_session(command.session, command.tick_count);
   }
-  const Result<engine::Scene> scene = load_scene_argument(command.session);
+  const Result<engine::Scene> scene = load_session_scene(command.session);
   if (!scene) return scene.error();
   return reduce::read_session(*scene, command.inputs, command.tick_count);
 }

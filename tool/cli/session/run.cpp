@@ -9,6 +9,7 @@
 #include "tool/cli/commands.h"
 #include "tool/output/json_output.h"
 #include "tool/output/progress.h"
+#include "tool/output/scene_notes.h"
 #include "tool/session/plugin_session.h"
 #include "tool/session/session.h"
 #include "tool/session/session_inputs.h"
@@ -62,6 +63,7 @@ int run_run(const RunOptions& options) {
   const auto made = engine::make_engine(*scene, engine_options(options.thread_count));
   if (!made) return fail_usage(made.error());
   engine::Engine& engine = **made;
+  for (const std::string& note : verifier::scene_notes(*scene)) print_note(note);
   catch_stop_signals();
   auto inputs = open_session_inputs(*scene, options.inputs, options.tick_count);
   if (!inputs) return fail_usage(inputs.error());

@@ -27,6 +27,7 @@ struct AccuracyCommand {
   std::vector<std::string> problems;
   std::vector<std::string> precisions;
   std::vector<std::string> peers;
+  std::string engine_program;
   std::uint64_t repeat_count = 7;
   std::uint64_t thread_count = 0;  // 0: as many as there are cores
   AccuracyView view;
@@ -77,7 +78,9 @@ int list_problems(const std::vector<Problem>& problems) {
 int run_accuracy_command(const AccuracyCommand& command) {
   const unsigned thread_count = command.thread_count > 0 ? static_cast<unsigned>(command.thread_count) : core_count();
   if (!command.peers.empty())
-    return run_accuracy_peer(command.problems, command.peers, static_cast<int>(command.repeat_count), command.files);
+    return run_accuracy_peer(
+        {command.problems, command.peers, command.engine_program, static_cast<int>(command.repeat_count)},
+        command.files);
   const Result<std::vector<Problem>> problems = chosen_problems(command.problems);
   if (!problems) return fail_usage(problems.error());
   if (command.list) return list_problems(*problems);
@@ -135,10 +138,15 @@ void add_accuracy(CLI::App& app, CliContext& context) {
   add_number(*command, "--repeats", options->repeat_count, "Timed runs of a point at most; default: 7", {1, 1000});
   command
       ->add_option("--peer", options->peers,
-                   "Error against time beside other engines on four scenes: box2d2 (or box2d), box2d3")
+                   "Error against time beside other engines on six scenes: box2d2 (or box2d), box2d3")
       ->delimiter(',')
       ->allow_extra_args(false)
       ->check(CLI::IsMember({"box2d", "box2d2", "box2d3"}));
+  command
+      ->add_option("--engine", options->engine_program,
+                   "With --peer: our engine as engine_run of another build; a .js file runs in node, as Box2D 3 does")
+      ->needs("--peer")
+      ->type_name("FILE");
   command->add_flag("--points", options->view.points, "Every point of every curve, instead of one line a curve");
   command->add_flag("--brief", options->view.brief, "One line a problem");
   command->add_flag("--no-times", options->view.no_times, "What is the same on every machine, to the last digit");
@@ -154,7 +162,8 @@ void add_accuracy(CLI::App& app, CliContext& context) {
                "ticktrue accuracy --example > my.json\n"
                "ticktrue accuracy my.json --precision f64 --plot my.svg\n"
                "ticktrue accuracy --peer box2d\n"
-               "ticktrue accuracy --peer box2d2,box2d3");
+               "ticktrue accuracy --peer box2d2,box2d3\n"
+               "ticktrue accuracy --peer box2d3 --engine build/wasm/engine_run.js");
   command->callback([options, &context] { context.exit_code = run_accuracy_command(*options); });
 }
 

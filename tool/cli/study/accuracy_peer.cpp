@@ -28,7 +28,8 @@ std::string peer_version(PeerKind kind) {
   return version ? *version : std::string();
 }
 
-Json peer_json(const std::vector<verifier::PeerCurves>& scenes, const std::vector<PeerKind>& kinds) {
+Json peer_json(const std::vector<verifier::PeerCurves>& scenes, const std::vector<PeerKind>& kinds,
+               const std::string& engine_program) {
   Json object;
   object["schema"] = "ticktrue.accuracy_peer/1";
   const auto one_json = [](PeerKind kind) {
@@ -39,6 +40,7 @@ Json peer_json(const std::vector<verifier::PeerCurves>& scenes, const std::vecto
   object["peer"] = one_json(kinds.front());
   if (kinds.size() > 1)
     for (const PeerKind kind : kinds) object["peers"].push_back(one_json(kind));
+  if (!engine_program.empty()) object["engine"] = engine_program;
   int passed = 0;
   int not_judged = 0;
   for (const auto& scene : scenes) passed += scene.holds ? 1 : 0;
@@ -53,6 +55,7 @@ Json peer_json(const std::vector<verifier::PeerCurves>& scenes, const std::vecto
     Json row{{"scene", scene.name}, {"measure", scene.measure}, {"verdict", verdict}};
     if (scene.peer != PeerKind::box2d2) row["peer"] = peer_name(scene.peer);
     if (!scene.is_judged) row["time"] = "wasm, not comparable with native";
+    else if (scene.peer == PeerKind::box2d3) row["time"] = scene.peer_label == "Box2D 3" ? "native" : "wasm, both";
     row["ratio"] = number_json(scene.ratio);
     const auto points_json = [](const std::vector<verifier::PeerPoint>& points) {
       Json array = Json::array();
@@ -79,9 +82,8 @@ std::string peer_text(const std::vector<verifier::PeerCurves>& scenes, const std
   text += "\n";
   for (const auto& scene : scenes) {
     text += fmt::format("\n{}  {}\n", scene.name, scene.measure);
-    const bool is_wasm = !scene.is_judged;
     TextTable table({"engine", "setting", "error mm", "max mm", "ms/tick", "min", "IQR",
-                     is_wasm ? "ours at equal substeps: error mm" : "ours at no more time: error mm", "ratio"},
+                     scene.is_judged ? "ours at no more time: error mm" : "ours at equal substeps: error mm", "ratio"},
                     2);
     const auto add = [&](std::string_view engine, const verifier::PeerPoint& point, bool is_peer) {
       std::vector<std::string> row{std::string(engine),
@@ -94,15 +96,15 @@ std::string peer_text(const std::vector<verifier::PeerCurves>& scenes, const std
                                    fmt::format("{:.4f}", point.time_ms.min),
                                    fmt::format("{:.4f}", point.time_ms.iqr)};
       if (is_peer) {
-        const verifier::PeerPoint* ours = is_wasm ? verifier::find_setting(scene.ours, point.setting)
-                                                  : verifier::best_within(scene.ours, point.time_ms.min);
+        const verifier::PeerPoint* ours = scene.is_judged ? verifier::best_within(scene.ours, point.time_ms.min)
+                                                          : verifier::find_setting(scene.ours, point.setting);
         row.push_back(ours ? short_number(ours->error * 1e3) + " (" + ours->setting + ")" : "none so quick");
         row.push_back(ours && point.error > 0 ? short_number(ours->error / point.error) : "-");
       }
       table.add(std::move(row));
     };
-    for (const auto& point : scene.ours) add("tgs_soft", point, false);
-    for (const auto& point : scene.box2d) add(is_wasm ? "Box2D 3, wasm" : "Box2D", point, true);
+    for (const auto& point : scene.ours) add(scene.own_label, point, false);
+    for (const auto& point : scene.box2d) add(scene.peer_label, point, true);
     text += table.text();
     text += verifier::wrapped(scene.conclusion, 4);
   }
@@ -111,29 +113,33 @@ std::string peer_text(const std::vector<verifier::PeerCurves>& scenes, const std
 
 }  // namespace
 
-int run_accuracy_peer(const std::vector<std::string>& names, const std::vector<std::string>& asked, int repeat_count,
-                      const StudyFiles& files) {
+int run_accuracy_peer(const AccuracyPeerOptions& options, const StudyFiles& files) {
   std::vector<PeerKind> kinds;
   std::string asked_text;
-  for (const std::string& name : asked) {
+  for (const std::string& name : options.peers) {
     asked_text += (asked_text.empty() ? "" : ",") + name;
     const PeerKind kind = name == first_peer_name ? PeerKind::box2d2 : engine::find_choice(verifier::peers, name)->kind;
     if (std::find(kinds.begin(), kinds.end(), kind) == kinds.end()) kinds.push_back(kind);
   }
+  if (!options.engine_program.empty()) asked_text += " --engine " + options.engine_program;
   Progress progress("accuracy --peer " + asked_text, 1, "runs");
-  const auto scenes = verifier::run_peer_curves(
-      names, kinds, repeat_count, [&](std::uint64_t done, std::uint64_t total) { progress.update(done, total); });
+  verifier::PeerCurvesOptions curves;
+  curves.names = options.scenes;
+  curves.kinds = kinds;
+  curves.repeat_max = options.repeat_count;
+  curves.engine_program = options.engine_program;
+  curves.progress = [&](std::uint64_t done, std::uint64_t total) { progress.update(done, total); };
+  const auto scenes = verifier::run_peer_curves(curves);
   progress.finish();
   if (!scenes) return fail_usage(scenes.error());
   if (files.json)
-    print_json(peer_json(*scenes, kinds));
+    print_json(peer_json(*scenes, kinds, options.engine_program));
   else
     print(peer_text(*scenes, kinds, asked_text));
   std::string csv = verifier::csv_line({"scene", "engine", "setting", "error_m", "error_max_m", "stands",
                                         "ms_per_tick_min", "ms_per_tick_median", "ms_per_tick_iqr"});
   std::vector<verifier::Plot> plots;
   for (const auto& scene : *scenes) {
-    const std::string peer = scene.is_judged ? "Box2D" : "Box2D 3, wasm";
     verifier::Plot plot{scene.is_judged ? scene.name : scene.name + ", Box2D 3 in WebAssembly",
                         "error, m",
                         "ms per tick",
@@ -141,7 +147,7 @@ int run_accuracy_peer(const std::vector<std::string>& names, const std::vector<s
                         true,
                         {}};
     for (const auto* points : {&scene.ours, &scene.box2d}) {
-      const std::string name = points == &scene.ours ? "tgs_soft" : peer;
+      const std::string& name = points == &scene.ours ? scene.own_label : scene.peer_label;
       verifier::PlotCurve line{name, {}, {}, false};
       for (const auto& point : *points) {
         if (point.stands) {  // how far a heap is from the stack that it was says nothing

@@ -12,9 +12,14 @@ namespace ticktrue::cli {
 /// Another name of box2d2.
 inline constexpr const char* first_peer_name = "box2d";
 
-/// Runs the scenes (all, if none is named), prints and writes what came out; returns the exit code. `peers`: names of
-/// the table of peers, or first_peer_name.
-int run_accuracy_peer(const std::vector<std::string>& scenes, const std::vector<std::string>& peers, int repeat_count,
-                      const StudyFiles& files);
+struct AccuracyPeerOptions {
+  std::vector<std::string> scenes;  // none: all
+  std::vector<std::string> peers;   // names of the table of peers, or first_peer_name
+  std::string engine_program;       // PeerCurvesOptions::engine_program
+  int repeat_count = 1;
+};
+
+/// Runs the scenes, prints and writes what came out; returns the exit code.
+int run_accuracy_peer(const AccuracyPeerOptions& options, const StudyFiles& files);
 
 }  // namespace ticktrue::cli

@@ -70,7 +70,7 @@ Result<soak::OracleOptions> oracle_options(const SoakCommand& command) {
 
 /// A scene that was given: each check finds something, or nothing.
 int run_on_scene(const SoakCommand& command, soak::OracleOptions oracle) {
-  const Result<engine::Scene> scene = load_scene_argument(command.scene);
+  const Result<engine::Scene> scene = load_session_scene(command.scene);
   if (!scene) return fail_usage(scene.error());
   if (!command.tick_count)
     return fail_usage(Error{ErrorCode::usage, "--ticks: found nothing, expected how many ticks the scene runs", ""});
