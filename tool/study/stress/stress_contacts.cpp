@@ -18,13 +18,13 @@ using engine::Scene;
 
 namespace {
 
-constexpr std::string_view measured = "accuracy study of 2026-11: ";
+constexpr std::string_view measured_here = "accuracy study of 2026-11: ";
 
 StressCase contact_case(std::string name, std::string what, std::string unit, double lower, double upper,
                         std::string best_known, std::string source) {
   StressCase out = make_case(std::move(name), std::move(what), std::move(unit), lower, upper, contact_methods());
   out.best_known = std::move(best_known);
-  out.source = source.empty() ? std::string() : source == "own" ? source : std::string(measured) + source;
+  out.source = source.empty() ? std::string() : source == "own" ? source : std::string(measured_here) + source;
   return out;
 }
 
