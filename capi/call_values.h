@@ -1,4 +1,4 @@
-// Values that a program gives to calls, and what is said of wrong ones.
+// Checks values that a program passes to calls, and the messages about wrong values.
 // SPDX-License-Identifier: MIT
 #pragma once
 
@@ -13,7 +13,7 @@
 namespace ticktrue::capi {
 
 inline std::string_view text_of(const char* text) {
-  // Bounded: an unterminated name is too long, not a read out of bounds.
+  // Bounded: a name without a terminator is too long, and is not read out of bounds.
   return text == nullptr ? std::string_view() : std::string_view(text, strnlen(text, limits::name_size_max + 1));
 }
 

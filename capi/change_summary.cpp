@@ -1,4 +1,4 @@
-// Compares each state with the first one, as far as that is not decided yet.
+// Compares each state with the first one, for the columns without a change so far.
 // SPDX-License-Identifier: MIT
 #include "capi/change_summary.h"
 
@@ -19,7 +19,7 @@ std::string names_text(const std::vector<std::string>& names) {
   return text;
 }
 
-/// Columns before it say nothing if they never change: keys, and how full pieces of texts are.
+/// The first column whose constancy is worth reporting. Keys and the fill counts of text pieces come before it.
 std::size_t first_column(const TableSchema& schema) {
   return has_pieces(schema) ? schema.columns.size() - 1 : schema.key_column_count;
 }
@@ -33,7 +33,7 @@ void ChangeSummary::compare(std::size_t number, const TableRows& rows) {
   table.had_rows = table.had_rows || rows.row_count > 0;
   if (table.constant.empty()) return;
   if (rows.row_count != first.row_count) {
-    table.constant.clear();  // rows came or went
+    table.constant.clear();  // rows were added or removed
     return;
   }
   const std::size_t size = schema.row_size;

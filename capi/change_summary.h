@@ -13,17 +13,17 @@
 
 namespace ticktrue::capi {
 
-/// Watches each confirmed state. A column that was seen to change costs nothing any more.
+/// Watches each confirmed state. A column that has changed costs no more time.
 class ChangeSummary {
  public:
   void add(const StateView& state);
-  /// A line each; empty where there is nothing to tell, and where nothing changed at all.
+  /// One line each. Empty: nothing to report, or nothing changed at all.
   std::vector<std::string> lines() const;
 
  private:
   struct Table {
     bool had_rows = false;
-    std::vector<std::size_t> constant;  // columns that have not changed so far; no keys
+    std::vector<std::size_t> constant;  // columns without a change so far, without keys
   };
   void compare(std::size_t number, const TableRows& rows);
 

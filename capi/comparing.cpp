@@ -1,4 +1,4 @@
-// Comparing a session with its trace.
+// Compares a session with its trace.
 // SPDX-License-Identifier: MIT
 #include "capi/comparing.h"
 
@@ -44,7 +44,7 @@ std::string list_of(const std::vector<std::string>& names) {
   return text.empty() ? "none" : text;
 }
 
-/// Whether bits look like an address of this kind of machine: user space of 64-bit systems, far above small numbers.
+/// Whether bits look like an address in user space of a 64-bit system, which is far above small numbers.
 bool looks_like_address(std::uint64_t bits) {
   const std::uint64_t top = bits >> 40;
   return top == 0x55 || top == 0x56 || top == 0x7f || top == 0x7e;
@@ -59,7 +59,7 @@ std::string shown_columns(const StateSchema& whole) {
   return list_of(names);
 }
 
-/// "glow 0.5, sprite 3"; empty where nothing is shown of the row.
+/// "glow 0.5, sprite 3"; empty: nothing is shown of the row.
 std::string shown_row(const StateSchema& whole, const Bytes* shown, const std::string& table, std::uint64_t row) {
   const std::optional<std::size_t> number = whole.find_table(table);
   if (shown == nullptr || !number) return "";
@@ -130,7 +130,7 @@ bool Comparing::seek(std::uint64_t tick) {
     if (checkpoint->tick == 0) break;
     wanted = checkpoint->tick - 1;
   }
-  // Nothing was taken: what was read before is read again.
+  // The position is unchanged: the records are read again.
   reader_.rewind();
   ahead_.clear();
   at_end_ = false;
@@ -157,7 +157,7 @@ bool Comparing::check_begin(const StateView& state, const RowNamer& row_name) {
   first_root_ = root_hash(state);
   if (!begin_) read_until(0);
   const std::optional<verifier::StoredCheckpoint>& recorded = begin_ ? begin_ : initial_;
-  if (!recorded) return true;  // damaged: the end of the trace says so
+  if (!recorded) return true;  // damaged: the tail of the trace reports it
   report_.checkpoints_compared += begin_ ? 1 : 0;
   if (recorded->root_hash == first_root_) return true;
   Divergence divergence;
@@ -222,7 +222,7 @@ void Comparing::note_floats() {
                                (here.empty() ? std::string("IEEE 754's defaults") : here));
 }
 
-/// The checkpoint follows its tick, which is not compared yet.
+/// Stores the checkpoint with its tick, which is not compared yet.
 void Comparing::take_checkpoint(const replay::CheckpointRecord& checkpoint) {
   ++report_.checkpoints_compared;
   std::optional<Bytes> save;
@@ -289,7 +289,7 @@ bool Comparing::compare(const DoneTick& done, const StateSchema& whole, const Ro
   TICKTRUE_ASSERT(!ahead_.empty() && ahead_.front().tick == done.tick);
   const RecordedTick& recorded = ahead_.front();
   if (recorded.is_not_finite) return compare_non_finite(recorded, done, row_name);
-  read_until(done.tick + 1);  // a checkpoint may follow
+  read_until(done.tick + 1);  // a checkpoint can follow
   compare_marks(recorded, done);
   verifier::TickSide here{done.root_hash, done.stage_hashes};
   here.state = done.state;

@@ -25,9 +25,9 @@ namespace {
 
 constexpr std::size_t unit_count_max = 16;
 constexpr std::size_t facts_per_unit_max = 32;
-constexpr std::size_t fact_count_max = 240;  // of all units; a trace holds 256
+constexpr std::size_t fact_count_max = 240;  // in all units; a trace stores at most 256 facts
 constexpr std::size_t name_size_max = 64;
-constexpr std::size_t value_size_max = 4'096;  // a trace holds no longer one
+constexpr std::size_t value_size_max = 4'096;  // a trace stores no longer value
 constexpr std::size_t text_size_max = 65'536;
 
 Error refused(const std::string& message, const std::string& hint) {
@@ -117,7 +117,7 @@ int read_program(dl_phdr_info* program, std::size_t, void* text) {
         verifier::build_id_among({bytes, static_cast<std::size_t>(segment.p_filesz)}, segment.p_align == 8 ? 8 : 4);
     if (!found.empty()) *static_cast<std::string*>(text) = found;
   }
-  return 1;  // the first object is the program; the libraries behind it are not asked
+  return 1;  // the first object is the program; the later objects are libraries
 }
 
 }  // namespace

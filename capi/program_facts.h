@@ -1,4 +1,4 @@
-// What is known of the build of the program that calls the library, as build facts of a trace.
+// What is known about the build of the program that calls the library, as build facts of a trace.
 // SPDX-License-Identifier: MIT
 #pragma once
 
@@ -14,11 +14,12 @@ namespace ticktrue::capi {
 
 class ProgramFacts {
  public:
-  /// `build`: what the program says of its build in a text of its own; may be empty.
+  /// `build`: the program's own text about its build; may be empty.
   explicit ProgramFacts(std::string build = "") : build_(std::move(build)) {}
 
-  /// Adds the facts of one unit, "name=value" a line: as caller.NAME, of a named unit as caller.UNIT.NAME.
-  /// Errors: usage (a line without '=', a wrong name, a unit or a name that stands twice), limit.
+  /// Adds the facts of one unit, one "name=value" per line: as caller.NAME, or as caller.UNIT.NAME if the unit has a
+  /// name.
+  /// Errors: usage (a line without '=', a wrong name, a repeated unit or name), limit.
   Status add(std::string_view unit, const char* text);
 
   /// All facts of a session: of the library, the program, the floats of this thread and the units.
@@ -30,11 +31,12 @@ class ProgramFacts {
   replay::BuildFacts units_facts_;
 };
 
-/// The build id of the program's file in hexadecimal, from the note of an ELF file; empty where it has none.
+/// The build id of the program's file in hexadecimal, from the note of an ELF file; empty: the file has none.
 std::string program_build_id();
 
-/// The words that started this program, for a shell, as `ticktrue shake` wants them: without `--verify TRACE`, and with
-/// {trace} where the trace stands elsewhere. The options `left_out` go with their values. Empty: not known.
+/// The words that started this program, quoted for a shell, as `ticktrue shake` takes them. `--verify TRACE` is left
+/// out. Other occurrences of the trace become {trace}. The options `left_out` are removed with their values. Empty:
+/// unknown.
 std::string program_command(const std::string& trace, std::span<const std::string_view> left_out = {});
 
 }  // namespace ticktrue::capi

@@ -12,7 +12,7 @@
 namespace ticktrue::capi {
 namespace {
 
-constexpr std::uint64_t slot_reserve = 8u << 10;  // bytes of a slot beside twice the largest tick
+constexpr std::uint64_t slot_reserve = 8u << 10;  // bytes of a slot in addition to twice the largest tick
 
 std::string reason_name(replay::EndReason reason) {
   for (const replay::EndReasonInfo& info : replay::end_reasons)
@@ -75,7 +75,7 @@ Status Recording::begin_slot(const StateView& state, std::uint64_t tick, const C
   return {};
 }
 
-/// In a box a checkpoint begins the next slot if the ticks up to the one behind it might not fit.
+/// In a box, a checkpoint begins the next slot if the ticks up to the next checkpoint might not fit.
 Status Recording::write_due_checkpoint(const DoneTick& tick) {
   const std::uint64_t next = tick.tick + 1;
   const bool is_due = writer_->wants_checkpoint();
@@ -86,7 +86,7 @@ Status Recording::write_due_checkpoint(const DoneTick& tick) {
   if (is_due) interval_size_max_ = std::max(interval_size_max_, written - box_checkpoint_);
   const bool is_low = is_slot_low() || (is_due && box_->room() < interval_size_max_ + interval_size_max_ / 4);
   const bool has_saves = (options_.features & static_cast<std::uint32_t>(replay::Feature::saves)) != 0;
-  // With rollback, the save of this tick was asked for before it was known that the slot is low.
+  // With rollback, the save of this tick was requested before the slot was known to be low.
   if (is_low && (is_due || !has_saves || tick.contents.save != nullptr)) {
     box_gaps_ += box_->is_full() ? 1 : 0;
     return begin_slot(*tick.state, next, tick.contents);
@@ -138,7 +138,7 @@ Status Recording::start(const StateView& state, const StateSchema& whole, const 
   setup.schema = *state.schema;
   setup.stages = stages;
   setup.setup = options_.setup;
-  // Version 3 is written where the program uses what it has, and nowhere else.
+  // Version 3 is written only if the program uses its features.
   options_.writer.allow_third = options_.features != 0 || has_children(whole);
   first_root_ = root_ = root_hash(state);
   return begin_file(state, contents);

@@ -43,22 +43,22 @@ class Recording {
   /// Whether the state and the hashes after each stage of this tick are stored.
   bool wants_stages(std::uint64_t tick) const;
 
-  /// Whether the checkpoint with so many ticks done holds a save.
+  /// Whether the checkpoint after this number of ticks has a save.
   bool wants_save(std::uint64_t tick) const;
 
   /// Whether the shown columns after this tick are stored.
   bool wants_shown(std::uint64_t tick) const;
 
   bool is_box() const { return options_.box_size > 0; }
-  /// Bytes of the file.
+  /// Size of the file, bytes.
   std::uint64_t size() const { return box_ ? box_->file_size() : writer_ ? writer_->size() : 0; }
 
-  /// Marks and notes are stored. Requires: !is_started().
+  /// Makes the trace store marks and notes. Requires: !is_started().
   void add_marks() {
     options_.features |=
         static_cast<std::uint32_t>(replay::Feature::marks) | static_cast<std::uint32_t>(replay::Feature::notes);
   }
-  /// Whether they are.
+  /// Whether the trace stores marks and notes.
   bool has_marks() const { return (options_.features & static_cast<std::uint32_t>(replay::Feature::marks)) != 0; }
 
   /// Creates the trace. `whole`: the schema with the shown columns; `contents`: of the first checkpoint.
@@ -67,22 +67,23 @@ class Recording {
                const std::vector<std::string>& stages, const RowNamer& row_name);
   bool is_started() const { return writer_.has_value(); }
 
-  /// Hands the inputs of a tick to the operating system. Errors: io, limit.
+  /// Writes the inputs of a tick to the file. Errors: io, limit.
   Status begin(double dt, ByteView inputs);
-  /// Hands a note of that tick to the operating system. Errors: io.
+  /// Writes a note of this tick to the file. Errors: io.
   Status note(const replay::Note& note);
-  /// Writes its result. False: a value is not finite, and the trace is closed before this tick. Errors: io, limit.
+  /// Writes the result of the tick. False: a value is not finite, and the trace is closed before this tick. Errors: io,
+  /// limit.
   Result<bool> end(const DoneTick& tick, const RowNamer& row_name);
 
   /// Closes the trace. A recording without a tick leaves no file. Errors: io, usage.
   Status finish(replay::EndReason reason, const std::string& note);
 
-  /// What a sync test found: its report becomes a part of this one.
+  /// Adds the report of a sync test to this report.
   void add_finding(verifier::Report finding) { finding_ = std::move(finding); }
   bool has_finding() const { return finding_.has_value(); }
 
   std::string text() const;
-  /// `desync`: an object about the other players; may be empty.
+  /// `desync`: a JSON object about the other players; may be empty.
   std::string json(const std::string& desync) const;
   bool is_finite() const { return reason_ != replay::EndReason::non_finite; }
   std::vector<std::string> warnings;
@@ -92,9 +93,9 @@ class Recording {
   Status write_bound(const BoundContents& bound, std::uint64_t tick);
   Status write_checkpoint(const StateView& state, std::uint64_t tick, const CheckpointContents& contents);
   Status begin_file(const StateView& state, const CheckpointContents& contents);
-  /// Goes on in the next slot of the box. Errors: io (a slot is too small for a checkpoint).
+  /// Continues in the next slot of the box. Errors: io (a slot is too small for a checkpoint).
   Status begin_slot(const StateView& state, std::uint64_t tick, const CheckpointContents& contents);
-  /// Whether the next tick may not fit into its slot.
+  /// Whether the next tick might not fit into its slot.
   bool is_slot_low() const;
   Status write_due_checkpoint(const DoneTick& tick);
   std::string box_text() const;
@@ -102,10 +103,10 @@ class Recording {
   RecordingOptions options_;
   std::unique_ptr<replay::BoxWriter> box_;
   std::uint64_t box_written_ = 0;        // at the end of the last tick
-  std::uint64_t box_checkpoint_ = 0;     // the same, before the last checkpoint
-  std::uint64_t tick_size_max_ = 0;      // bytes that a tick took
-  std::uint64_t interval_size_max_ = 0;  // from a checkpoint to the next
-  std::uint64_t box_gaps_ = 0;           // times that something did not fit
+  std::uint64_t box_checkpoint_ = 0;     // before the last checkpoint
+  std::uint64_t tick_size_max_ = 0;      // the largest number of bytes of a tick
+  std::uint64_t interval_size_max_ = 0;  // the largest number of bytes from a checkpoint to the next
+  std::uint64_t box_gaps_ = 0;           // number of times that a write did not fit
   replay::TraceSetup setup_;
   std::optional<replay::TraceWriter> writer_;
   std::uint64_t first_root_ = 0;
@@ -115,7 +116,7 @@ class Recording {
   bool closed_ = false;
   replay::EndReason reason_ = replay::EndReason::complete;
   std::string note_;
-  std::uint64_t missing_saves_ = 0;  // checkpoints without one
+  std::uint64_t missing_saves_ = 0;  // checkpoints without a save
   std::optional<verifier::Report> finding_;
 };
 

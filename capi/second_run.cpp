@@ -1,4 +1,4 @@
-// Keeps what the first run of some ticks gave.
+// Stores the results of the first run of some ticks.
 // SPDX-License-Identifier: MIT
 #include "capi/second_run.h"
 

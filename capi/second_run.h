@@ -1,4 +1,4 @@
-// The ticks that a session runs twice: from a save on, then again after that save was loaded.
+// The ticks that a session runs twice: from a save on, and again after the save was loaded.
 // SPDX-License-Identifier: MIT
 #pragma once
 
@@ -16,15 +16,15 @@ namespace ticktrue::capi {
 struct FirstRunTick {
   double dt = 0;  // s
   Bytes inputs;
-  std::optional<KeptState> state;  // after it; nothing where the copies of all ticks became too large
-  std::uint64_t root_hash = 0;     // of that state, where it is not kept
+  std::optional<KeptState> state;  // after the tick; nothing: the copies of all ticks became too large
+  std::uint64_t root_hash = 0;     // of this state, if it is not stored
 
   bool is_same(const StateView& now) const {
     return state ? state->is_same(now) : root_hash == ticktrue::root_hash(now);
   }
 };
 
-/// What brings the program back, and the state that it must then be in.
+/// The save that brings the program back, and the state that it must have after loading.
 struct SecondRunBegin {
   std::uint64_t tick = 0;
   Bytes save;
@@ -33,22 +33,22 @@ struct SecondRunBegin {
 
 class SecondRun {
  public:
-  /// The program is in `state`, with `tick` ticks done; `save` brings it back.
+  /// Begins a first run. The program is in `state` after `tick` ticks, and `save` brings it back.
   void open(std::uint64_t tick, Bytes save, const StateView& state);
   void close();
   bool is_open() const { return begin_.has_value(); }
   bool is_second() const { return is_second_; }
 
   // Requires: is_open().
-  std::uint64_t first() const { return begin_->tick; }                   // ticks done at the save
-  std::uint64_t behind() const { return begin_->tick + ticks_.size(); }  // ticks done behind the first run
+  std::uint64_t first() const { return begin_->tick; }                   // number of ticks before the save
+  std::uint64_t behind() const { return begin_->tick + ticks_.size(); }  // number of ticks after the first run
   ByteView save() const { return begin_->save; }
   const KeptState& state() const { return begin_->state; }
 
-  /// The next tick of the first run has ended.
+  /// Adds the next finished tick of the first run.
   void add(double dt, const Bytes& inputs, const StateView& state);
   bool has_room() const { return size_ < size_max; }
-  /// The ticks from `tick` on come again.
+  /// Removes the ticks from `tick` on: they will run again.
   void drop_from(std::uint64_t tick);
 
   void begin_second() { is_second_ = true; }
@@ -58,7 +58,7 @@ class SecondRun {
   static constexpr std::size_t size_max = std::size_t{64} << 20;  // bytes of copied states
   std::optional<SecondRunBegin> begin_;
   std::deque<FirstRunTick> ticks_;
-  std::size_t size_ = 0;  // bytes of their states
+  std::size_t size_ = 0;  // bytes of the states of the ticks
   bool is_second_ = false;
 };
 

@@ -1,4 +1,4 @@
-// A session behind the C interface: registered state, the order of calls, ticks that wait for confirmation.
+// A session behind the C interface: registered state, the order of calls, and ticks that wait for confirmation.
 // SPDX-License-Identifier: MIT
 #pragma once
 
@@ -30,12 +30,12 @@
 
 namespace ticktrue::capi {
 
-/// Every call returns a status of the C interface. The first that is not TICKTRUE_OK stays.
+/// Each call returns a status of the C interface. The first status other than TICKTRUE_OK is kept.
 class Session {
  public:
   /// Checks and copies the options, and opens the trace of a verification.
   explicit Session(const ticktrue_options& options);
-  /// A session that has failed before it began.
+  /// Makes a session that has already failed.
   explicit Session(const Error& error) { fail(error); }
   Session(const Session&) = delete;
   Session& operator=(const Session&) = delete;
@@ -44,7 +44,7 @@ class Session {
   int status() const { return status_; }
   /// Why the session failed or lost its recording.
   const std::string& message() const { return message_; }
-  /// That, else why the last call was refused.
+  /// message(), else why the last call was refused.
   const std::string& last_message() const { return message_.empty() ? refusal_ : message_; }
   std::uint64_t tick() const { return tick_; }
   ByteView setup() const;
@@ -52,7 +52,7 @@ class Session {
   int build_facts(const char* unit, const char* facts);
   int column(const char* table, const char* name, const void* data, int type, std::uint32_t lanes, std::uint32_t rows,
              std::size_t stride);
-  /// `table_number` becomes that of the table.
+  /// `table_number`: set to the number of the new table.
   int table(const char* name, std::size_t stride, const ticktrue_member* members, std::uint32_t member_count,
             std::uint32_t& table_number);
   int rows(std::uint32_t table, const void* base, std::uint32_t rows);
@@ -65,13 +65,13 @@ class Session {
   int add_stage(const char* name);
   int stage(const char* name);
   int input(void* data, std::size_t size);
-  /// A mark for which there is little to do. False: nothing was done, and mark() does it.
+  /// Counts a simple mark. False: nothing was done, and the caller must call mark().
   bool mark_quickly(const char* name, std::uint64_t value) {
     if (status_ != TICKTRUE_OK) return false;
     if (phase_ != Phase::inside) return true;
     return marks_.add_again(name, value) || (has_dropped_marks_ && !marks_.is_on());
   }
-  /// `caller`: where the call of the program returns to; null: not known.
+  /// `caller`: the return address of the program's call; null: unknown.
   int mark(const char* name, std::uint64_t value, const void* caller);
   int note(const char* topic, const char* text);
   int begin_tick(double* dt);
@@ -83,39 +83,39 @@ class Session {
   // ---- Other players (session_peers.cpp) ----
 
   int root(std::uint64_t tick, std::uint64_t* root);
-  /// Returns the size; writes if it fits. 0: the session has failed.
+  /// Returns the size of the hello. Writes it if it fits. 0: the session has failed.
   std::size_t hello(void* buffer, std::size_t size);
   int hello_check(std::uint32_t peer, const void* bytes, std::size_t size, char* text, std::size_t text_size);
   int peer_root(std::uint32_t peer, std::uint64_t tick, std::uint64_t root);
   std::size_t desync_message(std::uint32_t peer, void* buffer, std::size_t size);
   int desync_receive(std::uint32_t peer, const void* bytes, std::size_t size);
-  /// One file about a desync. A file that cannot be written is refused, and the session goes on.
+  /// Writes a bundle about a desync. If the file cannot be written, the call is refused and the session continues.
   int bundle(const char* path);
-  /// The black box so far, as a trace. The same.
+  /// Writes the current content of the black box as a trace. Failures as for bundle().
   int box_save(const char* path);
   /// Empty: no desync is known.
   std::string desync_report(bool& is_complete);
 
-  /// Closes the session, decides the verdict and returns the exit code. A second call returns the same.
+  /// Closes the session, decides the verdict and returns the exit code. A second call returns the same exit code.
   int finish();
   bool is_finished() const { return phase_ == Phase::finished; }
-  /// Whether the program calls from inside a callback. Then this is a failure of the session.
+  /// Whether the program calls from inside a callback. If so, the session fails.
   bool refuse_in_callback(const char* what);
   bool is_quiet() const { return (flags_ & TICKTRUE_QUIET) != 0; }
   bool wants_json() const { return (flags_ & TICKTRUE_JSON) != 0; }
-  /// Requires: is_finished(). Empty where the session failed.
+  /// Requires: is_finished(). Empty: the session failed.
   std::string report_text() const;
   std::string report_json() const;
-  /// The same, also of a verification that failed; empty for a recording.
+  /// The report as JSON, also for a failed verification; empty for a recording.
   std::string result_json() const;
 
-  /// A failure from outside, such as memory that ran out.
+  /// Makes the session fail with an error from outside, such as exhausted memory.
   int fail(const Error& error);
 
  private:
   enum class Phase { registering, between, inside, finished };
 
-  /// A tick that has run and is not confirmed yet, with the state after it.
+  /// A tick that has run and is not confirmed, with the state after it.
   struct PendingTick {
     std::uint64_t tick = 0;
     double dt = 0;
@@ -132,24 +132,25 @@ class Session {
   Status make_recording(const ticktrue_options& options);
   void set_facts();
   int stop(int status);
-  /// Copies the registered state. The callbacks of child tables are called.
+  /// Copies the registered state. Calls the callbacks of child tables.
   Status gather();
   int wrong_order(const std::string& what, const std::string& hint);
   bool can_call(const char* what);
   int start();
   bool wants_stages(const RecordedTick* recorded) const;
-  /// The recorded tick that begins next; null at the end of the trace.
+  /// The recorded tick that begins next; null: the end of the trace.
   const RecordedTick* recorded();
   int take(DoneTick done);
   int write_notes();
-  /// Has the preload library mark calls, where the environment asks for it.
+  /// Makes the preload library mark calls, if the environment asks for it.
   void take_calls();
   static void take_call(void* session, const char* name, std::uint64_t value, const void* caller);
   MarkDetail mark_detail() const;
   int confirm_pending(std::uint64_t tick);
   RowNamer namer();
   int finish_recording();
-  /// The disk took no more: the recording ends, the game goes on. Other errors fail the session.
+  /// Handles a failed write. If the disk is full, the recording ends and the session continues. Other errors fail the
+  /// session.
   int recording_failed(const Error& error);
   bool is_recording() const { return recording_ && !is_recording_lost_; }
   int begin_recorded_tick(double dt, ByteView inputs);
@@ -157,35 +158,35 @@ class Session {
   bool can_call_peers(const char* what, std::uint32_t peer);
   bool know_game();
   replay::TraceSetup game_setup() const;
-  /// Nothing has changed: the session goes on.
+  /// Refuses a call that changed nothing. The session continues.
   int refuse(const Error& error);
   int peers_status() const { return peers_->has_desync() ? TICKTRUE_DIVERGED : TICKTRUE_OK; }
-  /// Puts what is known of the other players into the report.
+  /// Adds what is known about the other players to the report.
   void report_peers();
   std::string live_text() const;
   std::string live_json() const;
 
   // ---- Saves and second runs (session_runs.cpp) ----
 
-  /// Calls the save callback; `bytes` becomes nothing where it has no save now. False: the session has failed.
+  /// Calls the save callback. `bytes`: nothing if the program has no save now. False: the session has failed.
   bool save_now(std::optional<Bytes>& bytes);
   /// False: the session has failed.
   bool gather_shown(std::optional<Bytes>& bytes);
   /// Calls the load callback and gathers the state. False: the session has failed.
   bool load_now(std::uint64_t tick, ByteView bytes);
   bool open_sync_block();
-  /// Loads the save at the begin of the ticks that ran once: they come again. False: the session has ended.
+  /// Loads the save from the begin of the ticks that ran once: they run again. False: the session has ended.
   bool go_back();
   bool can_go_back() const { return second_.is_open() && !second_.is_second() && second_.behind() > second_.first(); }
-  /// Behind a tick of the first run. `recorded_save`: of the trace, for the state now.
+  /// To be called after a tick of the first run. `recorded_save`: the save of the trace for the present state.
   int after_first_run(std::optional<Bytes> recorded_save);
-  /// Behind a tick of the second run.
+  /// To be called after a tick of the second run.
   int end_second(std::uint64_t tick);
   int differs(std::uint64_t tick, const KeptState* first, const std::string& reason, std::string_view stage);
   int input_of_second(void* data, std::size_t size);
   int begin_second_tick(double* dt);
   void judge_second_runs();
-  /// Behind a tick, where `ticktrue unsaved` looks for what the save forgets.
+  /// To be called after a tick, while `ticktrue unsaved` looks for what the save forgets.
   int after_probed_tick();
   void tell_probe(const char* table, const char* column, const ColumnSource& source);
   /// Ticks that the first run has done.
@@ -200,22 +201,22 @@ class Session {
   Bytes setup_;
   std::optional<Recording> recording_;
   std::optional<Comparing> comparing_;
-  std::optional<Peers> peers_;  // always, but in a session that has failed before it began
+  std::optional<Peers> peers_;  // absent only in a session that failed before it began
   bool is_live_ = false;        // nothing is recorded or verified
   double live_time_s_ = 0;
   std::uint64_t live_root_ = 0;          // of the last confirmed tick
-  std::vector<std::string> live_notes_;  // of the report
+  std::vector<std::string> live_notes_;  // notes of the report
   ChangeSummary changes_;
   bool is_recording_lost_ = false;
-  std::vector<std::string> file_notes_;    // about bundles and saved boxes
-  std::string desync_text_, desync_json_;  // of the report
+  std::vector<std::string> file_notes_;    // notes about bundles and saved boxes
+  std::string desync_text_, desync_json_;  // text and JSON of the report
 
   GatheredState state_;
   struct Namer {
     ticktrue_namer call = nullptr;
     void* user = nullptr;
   };
-  std::map<std::string, Namer, std::less<>> namers_;  // by table
+  std::map<std::string, Namer, std::less<>> namers_;  // by name of the table
   std::vector<std::string> stages_;
 
   Phase phase_ = Phase::registering;
@@ -225,35 +226,35 @@ class Session {
   int exit_code_ = 0;
 
   std::uint64_t tick_ = 0;        // ticks done
-  std::uint64_t confirmed_ = 0;   // of them
-  double dt_ = 0;                 // of the tick that runs
-  Bytes inputs_;                  // of the tick that begins next, or runs
-  std::size_t inputs_taken_ = 0;  // verify: bytes returned
+  std::uint64_t confirmed_ = 0;   // confirmed ticks
+  double dt_ = 0;                 // of the running tick
+  Bytes inputs_;                  // of the tick that runs, or begins next
+  std::size_t inputs_taken_ = 0;  // verify: bytes returned to the program
   std::size_t stages_done_ = 0;
   std::vector<std::uint64_t> stage_hashes_;
   std::deque<PendingTick> pending_;
   SessionMarks marks_;
-  std::vector<replay::Note> notes_;  // of the tick that runs or begins next, not yet written
-  bool has_dropped_marks_ = false;   // of a recording that stores none
-  bool takes_calls_ = false;         // marks of the preload library
+  std::vector<replay::Note> notes_;  // not written yet, of the tick that runs or begins next
+  bool has_dropped_marks_ = false;   // a recording without marks dropped some
+  bool takes_calls_ = false;         // the preload library marks calls
   std::string calls_warning_;
-  const void* tick_thread_ = nullptr;  // an address of the thread in whose tick marks count
-  std::unique_ptr<TrailLog> trail_;    // of a verification that `ticktrue trail` runs
+  const void* tick_thread_ = nullptr;  // an address of the thread whose marks count in the running tick
+  std::unique_ptr<TrailLog> trail_;    // of a verification under `ticktrue trail`
 
-  std::unique_ptr<Probe> probe_;  // of a verification that `ticktrue unsaved` runs
+  std::unique_ptr<Probe> probe_;  // of a verification under `ticktrue unsaved`
   SaveCalls saves_;
   bool in_callback_ = false;
-  bool is_gathering_ = false;  // the callback gives elements of a child table
-  std::uint64_t from_ = 0;     // verify
+  bool is_gathering_ = false;  // a callback returns elements of a child table
+  std::uint64_t from_ = 0;     // verify: first tick
   std::uint32_t sync_ticks_ = 0;
   bool restores_ = false;
   SecondRun second_;
-  std::optional<Bytes> next_save_;  // restore: of the state behind the ticks that run a second time
-  std::uint64_t second_count_ = 0;  // ticks that ran twice with the same result
+  std::optional<Bytes> next_save_;  // restore: the save after the ticks that run a second time
+  std::uint64_t second_count_ = 0;  // ticks whose second run had the same result
   std::uint64_t second_run_count_ = 0;
-  bool begins_twice_ = true;  // the next second run
+  bool begins_twice_ = true;  // whether the next second run begins twice
   std::uint64_t load_count_ = 0;
-  std::uint64_t missing_saves_ = 0;  // that a sync test asked for
+  std::uint64_t missing_saves_ = 0;  // saves that a sync test requested and the program did not have
 };
 
 }  // namespace ticktrue::capi

@@ -1,4 +1,4 @@
-// A session and the other players: roots, hello, location of a desync, and what the report says of them.
+// The part of a session about other players: roots, hello, location of a desync, and their lines in the report.
 // SPDX-License-Identifier: MIT
 #include <algorithm>
 #include <cstdio>
@@ -28,7 +28,7 @@ ByteView view_of(const void* bytes, std::size_t size) {
   return {static_cast<const std::uint8_t*>(bytes), bytes == nullptr ? 0 : size};
 }
 
-/// Writes as much as fits, with the final zero.
+/// Writes the part of the text that fits, with the final zero.
 void put_text(const std::string& from, char* text, std::size_t text_size) {
   if (text == nullptr || text_size == 0) return;
   const std::size_t size = std::min(from.size(), text_size - 1);
@@ -45,7 +45,7 @@ void Session::take_live_tick(const DoneTick& done) {
   peers_->add(done.tick, done.root_hash, done.dt, done.inputs, *done.state);
 }
 
-/// The columns are final from here on: other players are told of them.
+/// Fixes the columns: other players receive them from now on.
 bool Session::know_game() {
   if (peers_->has_game()) return true;
   if (!state_.is_frozen())

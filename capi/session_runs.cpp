@@ -1,4 +1,4 @@
-// A session with saves: where it begins, and ticks that run a second time.
+// The part of a session about saves: where a run begins, and ticks that run a second time.
 // SPDX-License-Identifier: MIT
 #include <algorithm>
 #include <cstring>
@@ -16,7 +16,7 @@ namespace {
 
 constexpr std::size_t lane_count_max = 64;
 
-/// What the thread does is done by a callback of the program while this lives.
+/// During its lifetime, actions of this thread belong to a callback of the program.
 class InCallback {
  public:
   explicit InCallback(bool& flag) : flag_(flag) { flag_ = true; }
@@ -51,7 +51,7 @@ Status Session::gather() {
   if (!state_.has_children()) return state_.gather();
   const InCallback inside(in_callback_), gathering(is_gathering_);
   const Status status = state_.gather();
-  // A wrong call from inside has failed the session, which has its message.
+  // A wrong call from inside the callback has failed the session, and the session has its message.
   return status_ == TICKTRUE_OK ? status : Error{ErrorCode::usage, message_, ""};
 }
 
@@ -63,7 +63,7 @@ bool Session::save_now(std::optional<Bytes>& bytes) {
     if (probe_) outside.emplace();
     return saves_.save(tick_);
   }();
-  if (status_ != TICKTRUE_OK) return false;  // a wrong call from inside
+  if (status_ != TICKTRUE_OK) return false;  // a wrong call from inside the callback
   if (!saved) return fail(saved.error()), false;
   bytes = std::move(*saved);
   if (const Status status = gather(); !status) return fail(status.error()), false;
@@ -149,7 +149,7 @@ int Session::after_probed_tick() {
   std::optional<Bytes> save;
   if (!save_now(save)) return status_;
   if (!save) return probe_->no_save(tick_), TICKTRUE_OK;
-  comparing_->at(tick_ + probe_->length());  // copies of the process read no file
+  comparing_->at(tick_ + probe_->length());  // reads the ticks now, because copies of the process read no file
   const auto apply = [this](const MovedColumn& moved) {
     if (!moved.column.empty()) return static_cast<bool>(state_.column(moved.table, moved.column, moved.source));
     const std::optional<std::size_t> table = state_.find_table(moved.table);
@@ -166,7 +166,7 @@ void Session::tell_probe(const char* table, const char* column, const ColumnSour
 
 int Session::after_first_run(std::optional<Bytes> recorded_save) {
   if (probe_) return after_probed_tick();
-  // A loop that counts to the end of its trace would not ask for another tick.
+  // A loop that counts to the end of its trace would not request another tick.
   if (comparing_ && can_go_back() && recorded() == nullptr) return go_back() ? TICKTRUE_OK : status_;
   if (sync_ticks_ > 0) {
     if (!second_.is_open()) return open_sync_block() ? TICKTRUE_OK : status_;
@@ -191,8 +191,8 @@ int Session::end_second(std::uint64_t tick) {
                        " ended in two states: the second run began with the save of tick " +
                        std::to_string(second_.first()),
                    "");
-  // What repeats itself every few ticks would be in step again behind as many ticks as both runs have. So every other
-  // second run begins twice.
+  // A program state with a period equal to the number of repeated ticks would be in step again. So every other second
+  // run begins twice.
   if (probe_) return TICKTRUE_OK;
   if (tick == second_.first() && second_.behind() - tick > 1 && begins_twice_) {
     begins_twice_ = false;

@@ -1,4 +1,4 @@
-// What a program registers: columns, tables of structs, keys, references, names of rows, stages.
+// What a program registers: columns, tables of structs, keys, references, row names, stages.
 // SPDX-License-Identifier: MIT
 #include <algorithm>
 
@@ -9,7 +9,7 @@
 namespace ticktrue::capi {
 namespace {
 
-/// `type` may have the flag of a shown column.
+/// `type` may include the flag of a shown column.
 ScalarType scalar_type(int type) {
   const int plain = type & ~TICKTRUE_SHOWN;
   return static_cast<ScalarType>(type >= 0 && plain <= 255 ? plain : 0);
@@ -18,7 +18,7 @@ bool is_shown_type(int type) {
   return type >= 0 && (type & TICKTRUE_SHOWN) != 0;
 }
 
-/// The members of a struct; `place` begins the messages. Errors: usage.
+/// Reads the members of a struct. `place`: the begin of messages. Errors: usage.
 Result<std::vector<RowMember>> read_members(const std::string& place, const ticktrue_member* members,
                                             std::uint32_t member_count) {
   if ((members == nullptr && member_count > 0) || member_count > limits::column_count_max)

@@ -7,7 +7,7 @@
 namespace ticktrue::capi {
 
 std::string float_deviation() {
-  // Whether products and sums are fused depends on how the program was compiled: that is a fact of the caller.
+  // Whether products and sums are fused depends on how the program was compiled: the caller states it as a fact.
   const FloatBehaviour behaviour = probe_float_behaviour();
   std::string text;
   const auto add = [&text](const std::string& part) { text += (text.empty() ? "" : ", ") + part; };

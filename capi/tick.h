@@ -14,7 +14,7 @@
 
 namespace ticktrue::capi {
 
-/// What a program gives for a state beside the judged columns. Null: nothing.
+/// The program's data about a state, besides the judged columns. Null: no data.
 struct CheckpointContents {
   const Bytes* save = nullptr;
   const Bytes* shown = nullptr;  // encoded
@@ -25,20 +25,20 @@ struct DoneTick {
   std::uint64_t tick = 0;
   double dt = 0;  // s
   ByteView inputs;
-  std::vector<std::uint64_t> stage_hashes;  // empty unless wanted
-  const StateView* state = nullptr;         // after it
+  std::vector<std::uint64_t> stage_hashes;  // empty unless requested
+  const StateView* state = nullptr;         // after the tick
   CheckpointContents contents = {};
   const BoundContents* bound = nullptr;
   std::uint64_t root_hash = 0;  // of the state
 };
 
-/// What a program says of itself.
+/// The program's statement about itself.
 struct Identity {
   std::string name;
   std::uint32_t version = 0;
 };
 
-/// How the calling thread's floats deviate from IEEE 754's defaults, as text; empty if they do not.
+/// The float settings of the calling thread that differ from the IEEE 754 defaults, as text; empty: none.
 std::string float_deviation();
 
 }  // namespace ticktrue::capi

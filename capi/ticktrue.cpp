@@ -24,7 +24,7 @@ using ticktrue::ErrorCode;
 using ticktrue::capi::InLibrary;
 using ticktrue::capi::Session;
 
-/// The handle of the C program. `session` is null if memory ran out during its creation.
+/// The handle of the C program. `session` is null if memory ran out while it was made.
 struct ticktrue_session {
   std::unique_ptr<Session> session;
   std::string report;
@@ -33,7 +33,7 @@ struct ticktrue_session {
 namespace {
 
 constexpr const char* no_memory = "memory: the system refused to give more";
-/// Returned if a session does not fit into memory; never freed.
+/// Returned if there is no memory for a session; never freed.
 ticktrue_session memory_failure;
 
 /// Runs a call on a session. A null session means "off"; exceptions become error codes.
@@ -61,7 +61,7 @@ int without_exceptions(ticktrue_session* handle, Call&& call) {
   }
 }
 
-/// What the headers of all versions give as struct_size, in ascending order.
+/// The struct_size of each version of the header, in ascending order.
 constexpr std::size_t option_sizes[] = {
     offsetof(ticktrue_options, caller_facts),  // version 1
     offsetof(ticktrue_options, save),          // version 2
@@ -76,7 +76,7 @@ std::string option_sizes_text() {
   return text;
 }
 
-/// Copies the options into the struct of this library. Fields that an older program lacks are zero.
+/// Copies the options into the struct of this version. Fields that an older program lacks are zero.
 bool read_options(const ticktrue_options* given, ticktrue_options& options, std::string& error) {
   options = {};
   if (given == nullptr) {
@@ -85,7 +85,7 @@ bool read_options(const ticktrue_options* given, ticktrue_options& options, std:
   }
   constexpr std::size_t size_max = 4096;
   const std::size_t size = given->struct_size;
-  // Between two versions a field would be cut; behind the last one a newer header may have more.
+  // A size between two versions would cut a field. A larger size can come from a newer header.
   const bool is_known = std::find(std::begin(option_sizes), std::end(option_sizes), size) != std::end(option_sizes);
   if (!is_known && (size < sizeof options || size > size_max)) {
     error = "options: struct_size: found " + std::to_string(size) +
@@ -113,7 +113,7 @@ ticktrue_session* open_session(const ticktrue_options& options, const std::strin
   return handle.release();
 }
 
-/// A number behind a word of the command line.
+/// Reads a number after a word of the command line.
 bool read_number(const char* text, std::uint64_t max, std::uint64_t& number) {
   if (text == nullptr || text[0] < '0' || text[0] > '9') return false;
   errno = 0;
@@ -122,8 +122,8 @@ bool read_number(const char* text, std::uint64_t max, std::uint64_t& number) {
   return errno == 0 && *end == 0 && number <= max;
 }
 
-/// Words about what runs and how often: of programs that can load. Others may have such words of their own.
-/// Returns how many words were read; 0: it is none of them.
+/// Reads a word about what runs and how often, for programs that can load. Other programs may use such words
+/// themselves. Returns the number of words read; 0: another word.
 int read_run_word(const char* word, const char* value, ticktrue_options& options, std::string& error) {
   const auto is = [&](const char* name) { return std::strcmp(word, name) == 0; };
   std::uint64_t number = 0;
@@ -149,12 +149,12 @@ int read_run_word(const char* word, const char* value, ticktrue_options& options
 
 constexpr std::uint32_t box_kib_default = 32u << 10;
 
-/// Apart, so that its frame costs nothing where it is not called.
+/// A separate function: its stack frame then costs nothing in calls that do not need it.
 TICKTRUE_NO_INLINE int mark(ticktrue_session* session, const char* name, uint64_t value, const void* caller) {
   return without_exceptions(session, [&](Session& s) { return s.mark(name, value, caller); });
 }
 
-/// "root", "cells", "full", "full:10" or "full:10..20" behind --detail. Empty: it was read.
+/// Reads "root", "cells", "full", "full:10" or "full:10..20" after --detail. Returns what is wrong; empty: nothing.
 std::string read_detail(const char* value, ticktrue_options& options) {
   const std::string text = value == nullptr ? "" : value;
   const std::size_t colon = std::min(text.find(':'), text.size());
@@ -172,14 +172,14 @@ std::string read_detail(const char* value, ticktrue_options& options) {
     const std::string last = dots == std::string::npos ? range : range.substr(dots + 2);
     is_read = is_full && read_number(range.substr(0, dots).c_str(), UINT64_MAX, options.full_first) &&
               read_number(last.c_str(), UINT64_MAX, options.full_last) && options.full_first <= options.full_last &&
-              options.full_last > 0;  // 0 stands for: all from full_first on
+              options.full_last > 0;  // 0 means all ticks from full_first on
   }
   if (is_read) return "";
   return "command line: --detail: found " + (text.empty() ? "nothing" : text) +
          " behind it, expected root, cells, full or full:FIRST..LAST";
 }
 
-/// Reads the words of the command line into the options. False: they ask for no session.
+/// Reads the words of the command line into the options. False: the words request no session.
 bool read_words(int argc, char* const* argv, bool knows_new_words, ticktrue_options& options, std::string& error) {
   bool is_asked = false, has_detail = false, has_box = false;
   std::uint32_t box_kib = 0;
@@ -215,8 +215,8 @@ bool read_words(int argc, char* const* argv, bool knows_new_words, ticktrue_opti
     if (value == nullptr) error = std::string("command line: ") + argv[i - 1] + ": found no file name behind it";
   }
   if (box_kib > 0) options.box_kib = box_kib;
-  if (is_asked && !has_box) options.box_kib = 0;  // a trace was asked for
-  // A box has no room for ticks in full.
+  if (is_asked && !has_box) options.box_kib = 0;  // the words request a trace
+  // A box has no capacity for ticks in full.
   if (has_box && !has_detail && options.detail == TICKTRUE_DETAIL_FULL) options.detail = TICKTRUE_DETAIL_CELLS;
   if (has_detail && is_asked && options.mode == TICKTRUE_VERIFY && run_error.empty())
     run_error = "command line: --detail: found it with --verify: what a trace holds was decided by its recording";
@@ -244,7 +244,7 @@ ticktrue_session* ticktrue_open_arguments(const ticktrue_options* given, int arg
     ticktrue_options options;
     std::string error;
     const bool is_read = read_options(given, options, error);
-    // Older programs may have such words of their own.
+    // Older programs may use such words themselves.
     const bool knows_new_words = is_read && given->struct_size >= sizeof options;
     std::string words_error;
     if (!read_words(argc, argv, knows_new_words, options, words_error)) return nullptr;
@@ -318,7 +318,7 @@ int ticktrue_input(ticktrue_session* session, void* data, size_t size) {
   return without_exceptions(session, [&](Session& s) { return s.input(data, size); });
 }
 int ticktrue_mark(ticktrue_session* session, const char* name, uint64_t value) {
-  // Thousands of marks a tick: most of them end here.
+  // A program may make thousands of marks per tick: most return here.
   if (session != nullptr && session->session != nullptr && session->session->mark_quickly(name, value))
     return TICKTRUE_OK;
   return mark(session, name, value, TICKTRUE_RETURN_ADDRESS());

@@ -1,13 +1,13 @@
 // The C interface of ticktrue: records and verifies any simulation, in a loop of its own or as a plug-in of the tool.
 // SPDX-License-Identifier: MIT
 //
-// docs/any_simulation.md leads from nothing to a red and a green run. C99 and C++. What holds:
-// - Binary interface: functions and constants keep their meaning; structs begin with struct_size and only grow at the
-//   end, so a program built against an older header runs with a newer library.
-// - No exception leaves the library, and no wrong call crashes it: a call that fails says so, every later one too, and
-//   ticktrue_close tells what it was. A null session means "off": every call does nothing and succeeds.
-// - Threads: a session belongs to one thread at a time; different sessions, also of different threads, share nothing.
-// - Text is UTF-8. Pointers handed out stay valid until the next call with that session.
+// For C99 and C++. docs/any_simulation.md leads to the first run that matches and the first run that diverges. Rules:
+// - Binary interface: functions and constants keep their meaning. Structs begin with struct_size and only grow at the
+//   end. So a program that is built with an older header runs with a newer library.
+// - No exception leaves the library, and no wrong call crashes it. After a failure, this call and all later calls
+//   return it, and ticktrue_close reports it. A null session means "off": each call does nothing and succeeds.
+// - Threads: only one thread at a time may use a session. Different sessions share nothing.
+// - Text is UTF-8. Returned pointers are valid until the next call with the same session.
 #pragma once
 
 #include <float.h>
@@ -34,26 +34,26 @@
 extern "C" {
 #endif
 
-/* The version of this interface. It rises when something is added; what was there stays.
+/* The version of this interface. Each addition raises it; nothing is removed.
    2: caller_facts, ticktrue_build_facts, ticktrue_table, ticktrue_rows.
    3: save, load, from, to, sync_test, TICKTRUE_RESTORE, ticktrue_seek, TICKTRUE_SHOWN.
    4: TICKTRUE_MARKS, ticktrue_mark, ticktrue_note; TICKTRUE_LIVE, TICKTRUE_REFUSED, peer_bytes, player, ticktrue_root,
-      ticktrue_hello, ticktrue_peer_root and what locates a desync.
+      ticktrue_hello, ticktrue_peer_root and the location of a desync.
    5: ticktrue_child, ticktrue_text, ticktrue_bytes; ticktrue_bundle, ticktrue_box_save; save, load and build of
       plug-ins. */
 #define TICKTRUE_API_VERSION 5u
 
-/* What calls return. */
+/* The results of calls. */
 enum {
-  TICKTRUE_OK = 0,       /* go on */
+  TICKTRUE_OK = 0,       /* continue */
   TICKTRUE_END = 1,      /* verify: every recorded tick was run; leave the loop */
-  TICKTRUE_DIVERGED = 2, /* verify: this tick is not as recorded; record: a value is not finite; leave the loop */
-  TICKTRUE_FAILED = 3,   /* a wrong call, or the system refused; ticktrue_message says what */
-  TICKTRUE_REFUSED = 4   /* bytes of another player are not what they should be, or a file cannot be written;
-                            nothing has changed: go on */
+  TICKTRUE_DIVERGED = 2, /* verify: this tick differs; record: a value is not finite; leave the loop */
+  TICKTRUE_FAILED = 3,   /* a wrong call, or an error of the system; see ticktrue_message */
+  TICKTRUE_REFUSED = 4   /* invalid bytes from another player, or a file that cannot be written;
+                            nothing has changed: continue */
 };
 
-/* Types of values. Signed 8 and 16 bit values are registered as U8 and U16: their bits are compared. */
+/* Types of values. Signed values of 8 and 16 bits are registered as U8 and U16: their bits are compared. */
 enum {
   TICKTRUE_U8 = 1,
   TICKTRUE_U16 = 2,
@@ -63,9 +63,10 @@ enum {
   TICKTRUE_I64 = 6,
   TICKTRUE_F32 = 7,
   TICKTRUE_F64 = 8,
-  /* Added to one of these, as in TICKTRUE_F32 | TICKTRUE_SHOWN: the column is stored and printed, and never compared.
-     For what people want to see in a report and what may differ: sprites, names of assets, costs, addresses. Its table
-     has at least one column that is compared. Stored in checkpoints and with ticks in full detail. */
+  /* Added to a type, as in TICKTRUE_F32 | TICKTRUE_SHOWN: the column is stored and printed, and never compared. For
+     values that people want to see in a report and that may differ: sprites, names of assets, costs, addresses. The
+     table needs at least one column that is compared. Shown columns are stored in checkpoints, and with ticks in full
+     detail. */
   TICKTRUE_SHOWN = 0x100
 };
 
@@ -73,100 +74,101 @@ enum {
 
 typedef struct ticktrue_session ticktrue_session;
 
-/* Live: nothing is written or verified; ticks are hashed, and compared with other players. */
+/* Live: nothing is written or verified. Ticks are hashed, and compared with those of other players. */
 enum { TICKTRUE_RECORD = 1, TICKTRUE_VERIFY = 2, TICKTRUE_LIVE = 3 };
 
-/* How much is stored of each tick. */
+/* How much a trace stores of each tick. */
 enum {
-  TICKTRUE_DETAIL_DEFAULT = 0, /* what `ticktrue record` takes */
-  TICKTRUE_DETAIL_ROOT = 1,    /* a hash: names the tick */
-  TICKTRUE_DETAIL_CELLS = 2,   /* hashes that name columns and rows, too */
-  TICKTRUE_DETAIL_FULL = 3     /* the whole state: names values; of the ticks full_first..full_last */
+  TICKTRUE_DETAIL_DEFAULT = 0, /* the default of `ticktrue record` */
+  TICKTRUE_DETAIL_ROOT = 1,    /* a hash, which finds the tick of a difference */
+  TICKTRUE_DETAIL_CELLS = 2,   /* hashes that also find columns and rows */
+  TICKTRUE_DETAIL_FULL = 3     /* the whole state of ticks full_first..full_last: also finds values */
 };
 
 enum {
   TICKTRUE_OVERWRITE = 1, /* record: replace an existing file */
   TICKTRUE_QUIET = 2,     /* ticktrue_close prints nothing */
   TICKTRUE_JSON = 4,      /* ticktrue_close prints the report as JSON */
-  TICKTRUE_NO_SYNC = 8,   /* record: leave it to the system when the file reaches the disk */
-  TICKTRUE_RESTORE = 16,  /* verify: each save of the trace is loaded, and the ticks behind it run a second time */
-  TICKTRUE_MARKS = 32     /* record: marks and notes are stored, in a trace of format version 3 */
+  TICKTRUE_NO_SYNC = 8,   /* record: do not wait until the file is on the disk */
+  TICKTRUE_RESTORE = 16,  /* verify: load each save of the trace and run the ticks after it a second time */
+  TICKTRUE_MARKS = 32     /* record: store marks and notes, in a trace of format version 3 */
 };
 
-/* Optional, as in rollback games. Save gives the bytes that bring the program back to its present state: it writes at
-   most `size` bytes to `buffer` and returns how many there are. More than `size`: it is called again with room for
-   them. TICKTRUE_SAVE_FAILED: no save now. It changes nothing. */
+/* Optional, as in rollback games. Save writes the bytes that bring the program back to its present state: at most
+   `size` bytes to `buffer`. It returns their number. If this is more than `size`, it is called again with enough
+   capacity. TICKTRUE_SAVE_FAILED: no save at present. Save must not change the state. */
 #define TICKTRUE_SAVE_FAILED ((size_t)-1)
 typedef size_t (*ticktrue_saver)(void* user, void* buffer, size_t size);
-/* Brings the program into that state; 0 for success. In a session, both are called in begin_tick, input, end_tick and
-   ticktrue_seek, and may call ticktrue_column and ticktrue_rows, for what has moved, and no other function. */
+/* Brings the program into the state of the bytes; returns 0 for success. A session calls both functions in begin_tick,
+   input, end_tick and ticktrue_seek. They may call ticktrue_column and ticktrue_rows, for memory that has moved, and no
+   other function. */
 typedef int (*ticktrue_loader)(void* user, const void* bytes, size_t size);
 
-/* All zero but struct_size is a good start. */
+/* Fields that are zero have a usable default; struct_size must be set. */
 typedef struct ticktrue_options {
   size_t struct_size; /* sizeof(ticktrue_options) */
   int32_t mode;       /* TICKTRUE_RECORD, TICKTRUE_VERIFY or TICKTRUE_LIVE */
   int32_t detail;     /* record */
-  const char* path;   /* of the trace */
-  const char* name;   /* of the simulation, as in "mygame" */
-  uint32_t version;   /* raise it when results change on purpose: older traces are then "not comparable" */
+  const char* path;   /* path of the trace */
+  const char* name;   /* name of the simulation, such as "mygame" */
+  uint32_t version;   /* raise it when results change on purpose: older traces become "not comparable" */
   uint32_t flags;
-  const void* setup; /* record: what the program needs to begin again: level, seed, players */
+  const void* setup; /* record: the bytes with which the program can begin again: level, seed, players */
   size_t setup_size;
   const char* title;            /* record: for people; null: the name */
-  const char* build;            /* facts about the program's build, as in "r345 gcc 12 -O2"; may be null */
-  double dt;                    /* s, of a tick; 0: 1/60 */
-  uint64_t full_first;          /* record, detail full: the ticks stored in full; */
-  uint64_t full_last;           /* 0: all from full_first on */
+  const char* build;            /* facts about the program's build, such as "r345 gcc 12 -O2"; may be null */
+  double dt;                    /* length of a tick in s; 0: 1/60 */
+  uint64_t full_first;          /* record, detail full: first tick stored in full */
+  uint64_t full_last;           /* last tick stored in full; 0: all from full_first on */
   uint32_t checkpoint_interval; /* record: ticks between full states; 0: 600 */
-  uint32_t rollback_max;        /* ticks that may wait for ticktrue_confirm; 0: the program never rolls back */
+  uint32_t rollback_max;        /* number of ticks that may wait for ticktrue_confirm; 0: no rollback */
   /* Since version 2 of this interface. */
-  const char* caller_facts; /* how the program is compiled: TICKTRUE_CALLER_FACTS; null: not known */
+  const char* caller_facts; /* how the program is compiled: TICKTRUE_CALLER_FACTS; null: unknown */
   /* Since version 3. */
-  ticktrue_saver save;  /* both or none; with them, checkpoints of a recording hold a save */
-  ticktrue_loader load; /* what `from`, `sync_test`, TICKTRUE_RESTORE and ticktrue_seek need */
-  void* user;           /* given to both */
-  uint64_t from;        /* verify: first tick compared; the run begins at the last save before it */
-  uint64_t to;          /* verify: last tick compared; 0: to the end */
-  uint32_t sync_test;   /* k > 0: after each k ticks the program is brought back and runs them again */
+  ticktrue_saver save;  /* both or none; with them, checkpoints of a recording have a save */
+  ticktrue_loader load; /* needed by `from`, `sync_test`, TICKTRUE_RESTORE and ticktrue_seek */
+  void* user;           /* passed to both */
+  uint64_t from;        /* verify: first tick to compare; the run begins at the last save at or before it */
+  uint64_t to;          /* verify: last tick to compare; 0: to the end */
+  uint32_t sync_test;   /* k > 0: after each k ticks, load the save before them and run them again */
   uint32_t reserved;    /* 0 */
   /* Since version 4. */
-  uint64_t peer_bytes; /* of states of confirmed ticks that are kept to locate a desync; 0: 16 MiB */
-  uint32_t player;     /* own number among the players, 0..254; every side counts them alike */
-  uint32_t box_kib;    /* record: > 0: `path` is a black box of so many KiB, with the last stretch of the session */
+  uint64_t peer_bytes; /* memory for states of confirmed ticks, to locate a desync; 0: 16 MiB */
+  uint32_t player;     /* own player number, 0..254; all players must use the same numbers */
+  uint32_t box_kib;    /* record: > 0: `path` is a black box of this size, with the last ticks of the session */
 } ticktrue_options;
 
-/* Opens a session. Never null: what went wrong, the next call and ticktrue_close tell. Everything is copied. */
+/* Opens a session. The result is never null: the next call and ticktrue_close report an error. All data are copied. */
 TICKTRUE_API ticktrue_session* ticktrue_open(const ticktrue_options* options);
 
-/* The same, with mode, path and overwriting from the program's words --record FILE, --verify FILE and --force; null if
-   neither of the first two is there, or, with mode TICKTRUE_LIVE, a live session. --blackbox FILE records into a black
-   box of box_kib (0: 32 MiB) or of --box-kib N. With --record also --detail root,
-   cells, full or full:FIRST..LAST (of programs built with this header or a newer one). If `load` is set, also
-   --sync-test K and, with --verify, --from N, --to N and --mode replay or restore. */
+/* The same, with mode, path and overwriting from the program's words --record FILE, --verify FILE and --force. If
+   neither of the first two occurs, the result is null, or with mode TICKTRUE_LIVE a live session. --blackbox FILE
+   records into a black box of box_kib (0: 32 MiB) or of --box-kib N. With --record, also --detail root, cells, full or
+   full:FIRST..LAST (for programs that are built with this header or a newer one). If `load` is set, also --sync-test K
+   and, with --verify, --from N, --to N and --mode replay or restore. */
 TICKTRUE_API ticktrue_session* ticktrue_open_arguments(const ticktrue_options* options, int argc, char* const* argv);
 
-/* The setup: verify gives the recorded one, record and a null session give `setup` of the options (null: nothing). */
+/* The setup. Verify: the recorded setup. Record and a null session: `setup` of the options (null: none). */
 TICKTRUE_API const void* ticktrue_setup(ticktrue_session* session, size_t* size);
 
-/* Facts about the build of a further unit, before the first tick: of a physics library, or of a file with flags of its
-   own. `unit` is its name in reports; `facts` is what TICKTRUE_CALLER_FACTS gives there, or any lines "name=value". */
+/* Facts about the build of another unit, such as a physics library, or a file with its own flags. To be called before
+   the first tick. `unit`: its name in reports. `facts`: TICKTRUE_CALLER_FACTS in it, or lines "name=value". */
 TICKTRUE_API int ticktrue_build_facts(ticktrue_session* session, const char* unit, const char* facts);
 
-/* Registers a column of a table: the values of row r begin at `data` + r * `stride` bytes; `lanes` of them lie side by
-   side (2 for x and y). Stride 0: packed. Register all before the first tick, and again whenever data, rows or stride
-   have changed. The memory is read in begin_tick (the first) and end_tick. */
+/* Registers a column of a table. The values of row r begin `stride` * r bytes after `data`: `lanes` adjacent values (2
+   for x and y). Stride 0: packed. All columns must be registered before the first tick, and again when data, rows or
+   stride have changed. The first begin_tick and each end_tick read the memory. */
 TICKTRUE_API int ticktrue_column(ticktrue_session* session, const char* table, const char* name, const void* data,
                                  int type, uint32_t lanes, uint32_t rows, size_t stride);
 
-/* A column of a table of structs: a member of the struct. TICKTRUE_MEMBER(Ball, position, TICKTRUE_F64) is such a
-   member: an array gives a lane for each value, and `position.x` is a member, too. */
+/* A column of a table of structs: a member of the struct, such as TICKTRUE_MEMBER(Ball, position, TICKTRUE_F64). An
+   array has a lane for each value. `position.x` is allowed as a member. */
 typedef struct ticktrue_member {
   const char* name;
   int32_t type;
-  uint32_t lanes; /* 0: as many as fill `size` */
+  uint32_t lanes; /* 0: computed from `size` */
   size_t offset;  /* bytes from the begin of the struct */
-  size_t size;    /* bytes; 0: not told */
+  size_t size;    /* bytes; 0: unknown */
 } ticktrue_member;
 #ifdef __cplusplus
 #define TICKTRUE_MEMBER(row, member, type) \
@@ -178,59 +180,61 @@ typedef struct ticktrue_member {
 #define TICKTRUE_NO_TABLE 0xffffffffu
 
 /* Registers a table whose rows are structs of `stride` bytes: all its columns at once, without rows yet. Returns its
-   number (TICKTRUE_NO_TABLE if it is refused, 0 without a session). */
+   number; TICKTRUE_NO_TABLE: it is refused; 0: no session. */
 TICKTRUE_API uint32_t ticktrue_table(ticktrue_session* session, const char* name, size_t stride,
                                      const ticktrue_member* members, uint32_t member_count);
-/* Says where its rows lie: `rows` structs from `base` on. Again whenever base or rows have changed. No name is looked
-   up. */
+/* Sets the rows of the table: `rows` structs from `base` on. To be called again when base or rows have changed. It
+   needs no search by name. */
 TICKTRUE_API int ticktrue_rows(ticktrue_session* session, uint32_t table, const void* base, uint32_t rows);
 
-/* Child tables hold what has another length in each row: texts, strings of bytes, lists. A callback gives the elements
-   of one row of `parent`: it returns the first and sets how many there are; 0 is an empty list, and what it returns is
-   then not read. `owner`: where that row lies, as ticktrue_rows and callbacks of ticktrue_child gave it; null where the
-   columns of the parent are registered one by one. `row`: its number in the parent. Called in begin_tick (the first),
-   stage, end_tick and around save and load, for each row in order. It changes nothing. */
+/* Child tables have data with another length in each row: texts, byte strings, lists. A callback returns the first
+   element of one row of `parent` and sets the number of elements. With 0 elements, the returned pointer is not read.
+   `owner`: address of this row, from ticktrue_rows or a callback of ticktrue_child; null: the columns of the parent are
+   registered one by one. `row`: row number in the parent. It is called for each row in order, in the first begin_tick,
+   in stage and end_tick, and around save and load. It must not change the state. */
 typedef const void* (*ticktrue_elements)(void* user, const void* owner, uint32_t row, size_t* count);
-/* Registers the list that each row of `parent` has, as in "units.inventory" of "units": elements of `stride` bytes,
-   with these members (none: only the number of elements is compared). Before the first tick, and behind its parent,
-   which may be a child, too. The columns "owner" and "index" come before the members, and are its key. */
+/* Registers the list that each row of `parent` has, such as "units.inventory" of "units". Its elements have `stride`
+   bytes and these members (none: only the number of elements is compared). To be called before the first tick, and
+   after the registration of the parent, which may be a child table. The columns "owner" and "index" come before the
+   members and are the key. */
 TICKTRUE_API int ticktrue_child(ticktrue_session* session, const char* table, const char* parent,
                                 ticktrue_elements elements, void* user, size_t stride, const ticktrue_member* members,
                                 uint32_t member_count);
-/* The same for a text (UTF-8; reports print it) and for a string of bytes (reports print them in hexadecimal). `bytes`
-   gives the first byte and how many there are. */
+/* The same for a text (UTF-8, which reports print) and for a byte string (which reports print in hexadecimal). `bytes`
+   returns the first byte and sets the number of bytes. */
 TICKTRUE_API int ticktrue_text(ticktrue_session* session, const char* table, const char* parent,
                                ticktrue_elements bytes, void* user);
 TICKTRUE_API int ticktrue_bytes(ticktrue_session* session, const char* table, const char* parent,
                                 ticktrue_elements bytes, void* user);
 
-/* The first `columns` columns of the table are its key (unsigned integers; rows ascend): rows are compared by key, so
-   that one that is missing is told as such. A table without key is compared by position. */
+/* The first `columns` columns of the table are its key: unsigned integers, in ascending order of rows. Rows are
+   compared by key, so a missing row is reported as missing. A table without a key is compared by position. */
 TICKTRUE_API int ticktrue_key(ticktrue_session* session, const char* table, uint32_t columns);
 
-/* The column (u32) holds keys of rows of `target`, or 0xffffffff. What differs in such a row is also told of the rows
-   it refers to. */
+/* The column (u32) has keys of rows in `target`, or 0xffffffff. A difference in such a row is also reported for the
+   rows to which it refers. */
 TICKTRUE_API int ticktrue_reference(ticktrue_session* session, const char* table, const char* column,
                                     const char* target);
 
-/* Names for rows, as in "player 2"; `text` has room for `size` bytes with the final zero. */
+/* Names of rows, such as "player 2". `text` has capacity for `size` bytes with the final zero. */
 typedef void (*ticktrue_namer)(void* user, uint32_t row, char* text, size_t size);
 TICKTRUE_API int ticktrue_row_names(ticktrue_session* session, const char* table, ticktrue_namer namer, void* user);
 
-/* Before the first tick: the stages of a tick, in order. Inside a tick, ticktrue_stage says that one is done. */
+/* Adds a stage of the tick, in order, before the first tick. In a tick, ticktrue_stage reports the end of a stage. */
 TICKTRUE_API int ticktrue_add_stage(ticktrue_session* session, const char* name);
 TICKTRUE_API int ticktrue_stage(ticktrue_session* session, const char* name);
 
-/* Inputs of the tick that begins next, in any number of pieces. Record: keeps the bytes. Verify: replaces them by the
-   recorded ones, so the same loop serves both; TICKTRUE_END (bytes untouched) when there are no more. */
+/* Inputs of the tick that begins next, in any number of pieces. Record: stores the bytes. Verify: replaces them by the
+   recorded bytes, so both modes can use the same loop. TICKTRUE_END: the trace has no more ticks; the bytes are
+   unchanged. */
 TICKTRUE_API int ticktrue_input(ticktrue_session* session, void* data, size_t size);
 
-/* Marks, for what happens in a tick and is not state: a draw of a generator, a call, the size of a list. Of each tick,
-   the trace holds how often each name was marked, and hashes of the values and of the order. A verification compares
-   them: they decide no verdict, and tell where a run first took another way. A mark takes some nanoseconds. `name` has
-   1 to 256 bytes, as in "rand". Outside of a tick, a mark does nothing. Of the thread of the session alone. */
+/* Marks, for events in a tick that are not state: a random draw, a call, the size of a list. For each tick, the trace
+   stores how often each name was marked, and hashes of the values and of the order. A verification compares them: they
+   affect no verdict, and show where a run first differed. A mark takes a few nanoseconds. `name`: 1 to 256 bytes, such
+   as "rand". Outside a tick, a mark does nothing. Only for the thread of the session. */
 TICKTRUE_API int ticktrue_mark(ticktrue_session* session, const char* name, uint64_t value);
-/* The same for a double, by its bits. */
+/* The same for the bits of a double. */
 static inline int ticktrue_mark_f64(ticktrue_session* session, const char* name, double value) {
   union {
     double number;
@@ -239,109 +243,112 @@ static inline int ticktrue_mark_f64(ticktrue_session* session, const char* name,
   both.number = value;
   return ticktrue_mark(session, name, both.bits);
 }
-/* A text of the tick that runs, or begins next: what a person wants to know of it later. It is stored with
-   TICKTRUE_MARKS and never compared; a verification ignores it. `topic`: 1 to 64 bytes that do not begin with
-   "ticktrue."; `text`: at most 4096 bytes, more are cut. Inside of a tick it is in the file at once. */
+/* A text about the running or next tick, for people who read the trace later. It is stored with TICKTRUE_MARKS and
+   never compared; a verification ignores it. `topic`: 1 to 64 bytes, not beginning with "ticktrue.". `text`: at most
+   4096 bytes; further bytes are dropped. Inside a tick, it is written to the file at once. */
 TICKTRUE_API int ticktrue_note(ticktrue_session* session, const char* topic, const char* text);
 
-/* Begins a tick: its inputs are in the file before it runs. `dt` (s; null: that of the options) is recorded, or
-   replaced by the recorded one. Leave the loop when it does not return TICKTRUE_OK. */
+/* Begins a tick. Its inputs are written to the file before it runs. `dt` (s; null: dt of the options) is recorded, or
+   replaced by the recorded dt. Leave the loop if the result is not TICKTRUE_OK. */
 TICKTRUE_API int ticktrue_begin_tick(ticktrue_session* session, double* dt);
-/* Ends it: the state is hashed and written, or compared with the recorded one. */
+/* Ends the tick: the state is hashed and written, or compared with the recorded state. */
 TICKTRUE_API int ticktrue_end_tick(ticktrue_session* session);
 
-/* Rollback: the program has gone back to its state with `tick` ticks done and runs on from there. */
+/* Rollback: the program has returned to its state before tick `tick` and continues from there. */
 TICKTRUE_API int ticktrue_rewind(ticktrue_session* session, uint64_t tick);
-/* The first `tick` ticks are final: only such are written and compared. */
+/* The first `tick` ticks are final. Only final ticks are written and compared. */
 TICKTRUE_API int ticktrue_confirm(ticktrue_session* session, uint64_t tick);
 
-/* Verify, between two ticks: loads the last save of the trace at or before `tick`. The program runs on from there:
-   ticktrue_tick tells where that is. */
+/* Verify, between two ticks: loads the last save of the trace at or before `tick`. The program continues from there.
+   ticktrue_tick returns the tick of the save. */
 TICKTRUE_API int ticktrue_seek(ticktrue_session* session, uint64_t tick);
 
-/* Ticks done. In a sync test and with TICKTRUE_RESTORE it goes back when the program is brought back: count by it. */
+/* The number of ticks done. In a sync test and with TICKTRUE_RESTORE it decreases when a save is loaded: count ticks by
+   it. */
 TICKTRUE_API uint64_t ticktrue_tick(const ticktrue_session* session);
-/* What the last call returned, and would return again. */
+/* The result of the last call, which the next call would return again. */
 TICKTRUE_API int ticktrue_status(const ticktrue_session* session);
-/* What went wrong, or why the last call was refused; empty if nothing was. */
+/* The error, or why the last call was refused; empty: neither. */
 TICKTRUE_API const char* ticktrue_message(const ticktrue_session* session);
 
-/* ---- other players of a live game. Bytes travel by the program's own transport. ---- */
+/* ---- other players of a live game; the program transports the bytes ---- */
 
-/* The root hash of the state after a confirmed tick (without rollback: after a tick that has ended). The last 4,096 are
-   kept. TICKTRUE_END, and `root` as it was: that tick is not confirmed yet, or kept no more, or there is no session. */
+/* The root hash of the state after a confirmed tick (without rollback: after a finished tick). The last 4,096 are
+   available. TICKTRUE_END: the tick is not confirmed yet or no longer available, or there is no session; `root` is
+   unchanged. */
 TICKTRUE_API int ticktrue_root(ticktrue_session* session, uint64_t tick, uint64_t* root);
 
-/* Before tick 0, when all is registered: the bytes that tell the other players what this game is (setup, columns,
-   version, build, floats). Returns how many there are, at most 1 MiB, and writes them if they fit into `size`; 0
-   without a session. */
+/* The bytes that describe this game to the other players: setup, columns, version, build, floats. To be called before
+   tick 0, after all registrations. Returns their number, at most 1 MiB, and writes them if they fit into `size`. 0: no
+   session. */
 TICKTRUE_API size_t ticktrue_hello(ticktrue_session* session, void* buffer, size_t size);
-/* The same of another player. TICKTRUE_OK: the two play the same game. TICKTRUE_DIVERGED: they do not. `text` says
-   what differs, a line each (with TICKTRUE_OK: what may matter, as other build ids); null: not wanted. */
+/* Compares the bytes of another player. TICKTRUE_OK: both play the same game. TICKTRUE_DIVERGED: they do not. `text`:
+   the differences, one line each (with TICKTRUE_OK: facts that may matter, such as another build id); may be null. */
 TICKTRUE_API int ticktrue_hello_check(ticktrue_session* session, uint32_t peer, const void* bytes, size_t size,
                                       char* text, size_t text_size);
 
-/* The root of another player after a tick that is confirmed there; any order, also more than once, also before the
-   tick is confirmed here. TICKTRUE_DIVERGED once a tick is known whose roots differ. The session goes on. */
+/* The root hash of another player after a tick that this player has confirmed. In any order, repeatedly, and before the
+   tick is confirmed here. TICKTRUE_DIVERGED: the roots of some tick differ. The session continues. */
 TICKTRUE_API int ticktrue_peer_root(ticktrue_session* session, uint32_t peer, uint64_t tick, uint64_t root);
 
-/* The next message for that player that helps to locate a desync, at most `size` bytes (256 or more); 0: none is due.
-   Call it for each packet that is sent anyway, not in a loop: parts are sent again until the other says it has them. */
+/* The next message to this player for the location of a desync, at most `size` bytes (256 or more); 0: none is due.
+   Call it once for each packet, not in a loop: parts are sent again until the other player confirms them. */
 TICKTRUE_API size_t ticktrue_desync_message(ticktrue_session* session, uint32_t peer, void* buffer, size_t size);
-/* Such a message of another player. Returns as ticktrue_peer_root does. */
+/* Receives such a message from another player. Results as for ticktrue_peer_root. */
 TICKTRUE_API int ticktrue_desync_receive(ticktrue_session* session, uint32_t peer, const void* bytes, size_t size);
-/* What is known: tick, players, columns, rows, values. Empty: no desync. `complete` (may be null) becomes 1 when the
-   states of all players are compared: then each of them has the same report. ticktrue_report has it, too. */
+/* The known facts about a desync: tick, players, columns, rows, values. Empty: no desync. `complete` (may be null) is
+   set to 1 when the states of all players were compared: then all players have the same report. ticktrue_report
+   includes it. */
 TICKTRUE_API const char* ticktrue_desync_report(ticktrue_session* session, int* complete);
 
-/* Writes one file to send: a trace of this player's ticks with the roots, build facts and differing rows of the others.
-   It begins at a save before the first difference, without saves at tick 0. `ticktrue show` and `ticktrue report` say
-   who differs; `ticktrue verify --command` runs this player's ticks again. Call it once ticktrue_desync_report is
-   complete, or at the end of the match: it holds what is known by then. The ticks come from the recording or the black
-   box of the session. Without one they are those in memory (peer_bytes), which have no save. TICKTRUE_REFUSED: no
-   desync, or no file; ticktrue_message says why. It takes as long as reading the recording. */
+/* Writes a file to send to others: a trace of this player's ticks, with the roots, build facts and differing rows of
+   the other players. It begins at a save before the first difference; without saves, at tick 0. `ticktrue show` and
+   `ticktrue report` print who differs. `ticktrue verify --command` runs this player's ticks again. Call it when
+   ticktrue_desync_report is complete, or at the end of the match: it contains the facts known at this time. The ticks
+   come from the recording or the black box of the session. Without either, they come from memory (peer_bytes), and have
+   no save. TICKTRUE_REFUSED: no desync, or no file; see ticktrue_message. It takes as long as reading the recording. */
 TICKTRUE_API int ticktrue_bundle(ticktrue_session* session, const char* path);
-/* Record, with a black box: writes what the box holds as a trace while the session goes on. Returns as
-   ticktrue_bundle does. */
+/* Record, with a black box: writes the present content of the box as a trace. The session continues. Results as for
+   ticktrue_bundle. */
 TICKTRUE_API int ticktrue_box_save(ticktrue_session* session, const char* path);
 
-/* Closes the trace, or judges the run; returns the tool's exit code: 0 match or recorded, 1 diverged or not finite,
-   2 failed, 3 incomplete, 4 damaged, 5 not comparable. No tick may begin after it. */
+/* Closes the trace, or decides the verdict. Returns the exit code of the tool: 0 match or recorded, 1 diverged or not
+   finite, 2 failed, 3 incomplete, 4 damaged, 5 not comparable. No tick may begin afterwards. */
 TICKTRUE_API int ticktrue_finish(ticktrue_session* session);
-/* After finish: what `ticktrue verify` would print. */
+/* After finish: the output of `ticktrue verify`. */
 TICKTRUE_API const char* ticktrue_report(ticktrue_session* session);
 TICKTRUE_API const char* ticktrue_report_json(ticktrue_session* session);
-/* Finishes, prints the report (stdout) or what went wrong (stderr), frees the session; returns the exit code. A full
-   disk ends a recording and not the session: calls go on to succeed, ticktrue_message and ticktrue_close tell of it,
-   and the exit code is 2. */
+/* Finishes, prints the report (stdout) or the error (stderr), and frees the session; returns the exit code. If the disk
+   is full, the recording ends and the session continues. Later calls succeed, ticktrue_message and ticktrue_close
+   report the error, and the exit code is 2. */
 TICKTRUE_API int ticktrue_close(ticktrue_session* session);
 
-/* Of the library: its version, as in "0.1.0", and its TICKTRUE_API_VERSION. */
+/* The version of the library, such as "0.1.0", and its TICKTRUE_API_VERSION. */
 TICKTRUE_API const char* ticktrue_version(void);
 TICKTRUE_API uint32_t ticktrue_api_version(void);
 
 /* ---- plug-ins: a simulation that the tool drives (`--plugin lib.so`) --------------------------------------------- */
 
-/* What the tool offers a plug-in. A plug-in need not be linked to the library. */
+/* The functions of the tool for a plug-in. A plug-in need not be linked to the library. */
 typedef struct ticktrue_columns ticktrue_columns;
 typedef struct ticktrue_stages ticktrue_stages;
 typedef struct ticktrue_host {
   size_t struct_size;
   uint32_t api_version;
-  /* As ticktrue_column, ticktrue_key and ticktrue_reference. What they refuse is told when `columns` returns. */
+  /* As ticktrue_column, ticktrue_key and ticktrue_reference. A refused call is reported when `columns` returns. */
   int (*column)(ticktrue_columns* columns, const char* table, const char* name, void* data, int type, uint32_t lanes,
                 uint32_t rows, size_t stride);
   int (*key)(ticktrue_columns* columns, const char* table, uint32_t key_columns);
   int (*reference)(ticktrue_columns* columns, const char* table, const char* column, const char* target);
-  /* Inside step: the stage with this index is done. */
+  /* To be called in step: the stage with this index has ended. */
   void (*stage_done)(ticktrue_stages* stages, uint32_t stage);
 } ticktrue_host;
 
-/* Functions return 0 for success. `text` has room for `text_size` bytes with the final zero: why it failed, or what was
-   asked for. Optional ones may be null. */
+/* Functions return 0 for success. `text` has capacity for `text_size` bytes with the final zero: for an error message,
+   or for the requested text. Optional functions may be null. */
 typedef struct ticktrue_plugin {
   size_t struct_size;        /* sizeof(ticktrue_plugin) */
-  uint32_t api_version;      /* the version that it needs: TICKTRUE_API_VERSION; an older tool refuses it */
+  uint32_t api_version;      /* the version that it needs: TICKTRUE_API_VERSION; an older tool refuses the plug-in */
   uint32_t version;          /* as in ticktrue_options */
   const char* name;          /* as in ticktrue_options */
   const char* const* stages; /* names, in order; may be null */
@@ -350,42 +357,42 @@ typedef struct ticktrue_plugin {
   int (*create)(const ticktrue_host* host, const void* setup, size_t setup_size, void** simulation, char* text,
                 size_t text_size);
   void (*destroy)(void* simulation);
-  /* Registers every column. Called after create, step and load: data, rows and stride may differ, the rest may not. */
+  /* Registers all columns. Called after create, step and load: data, rows and stride may change, the rest must not. */
   int (*columns)(void* simulation, const ticktrue_host* host, ticktrue_columns* columns);
   /* Advances one tick. */
   int (*step)(void* simulation, double dt, const void* inputs, size_t inputs_size, const ticktrue_host* host,
               ticktrue_stages* stages, char* text, size_t text_size);
-  /* Optional: whether step may be given these inputs. Without it, all are taken. */
+  /* Optional: whether step accepts these inputs. Without it, all inputs are accepted. */
   int (*accept)(void* simulation, double dt, const void* inputs, size_t inputs_size, char* text, size_t text_size);
-  /* Optional: makes room for so many rows, since values will be written to where `columns` says. Without it, a state
-     with other row counts cannot be loaded. */
+  /* Optional: allocates this number of rows. Values are then written to the addresses from `columns`. Without it, a
+     state with other row counts cannot be loaded. */
   int (*resize)(void* simulation, const char* table, uint32_t rows);
-  /* Optional: every value was written; rebuild what derives from it. Without it, the state can only be observed:
-     verification then always starts at tick 0. */
+  /* Optional: called after all values were written, to rebuild derived data. Without it, the state can only be
+     observed: a verification always begins at tick 0. */
   int (*loaded)(void* simulation, char* text, size_t text_size);
-  /* Optional: what a person would call the row. */
+  /* Optional: a name of the row for people. */
   int (*row_name)(void* simulation, const char* table, uint32_t row, char* text, size_t text_size);
-  /* Optional: the inputs of a tick for people, one JSON object a line. */
+  /* Optional: the inputs of a tick for people, one JSON object per line. */
   int (*inputs_text)(void* simulation, uint64_t tick, const void* inputs, size_t inputs_size, char* text,
                      size_t text_size);
   /* Since version 5 of this interface. */
-  /* Optional, both or none; `user` is the simulation. With them, checkpoints of a recording hold a save, and a
-     verification begins at each of them: create makes a simulation from the same setup, and load brings it into the
-     state of the save. Then `columns` is called. Where a trace has saves, `loaded` is not called. */
+  /* Optional, both or none; `user` is the simulation. With them, checkpoints of a recording have a save, and a
+     verification can begin at each of them. Then create makes a simulation from the same setup, load brings it into the
+     state of the save, and `columns` is called. For a trace with saves, `loaded` is not called. */
   ticktrue_saver save;
   ticktrue_loader load;
   const char* build; /* facts about the build of the plug-in, as in ticktrue_options; may be null */
 } ticktrue_plugin;
 
-/* The one function a plug-in exports: TICKTRUE_PLUGIN_API const ticktrue_plugin* ticktrue_plugin_entry(uint32_t v).
-   It is told the tool's TICKTRUE_API_VERSION and returns null if that is too old for it. */
+/* The only function that a plug-in exports: TICKTRUE_PLUGIN_API const ticktrue_plugin* ticktrue_plugin_entry(uint32_t
+   v). Its argument is the TICKTRUE_API_VERSION of the tool. It returns null if this version is too old for it. */
 typedef const ticktrue_plugin* (*ticktrue_plugin_entry_function)(uint32_t api_version);
 TICKTRUE_PLUGIN_API const ticktrue_plugin* ticktrue_plugin_entry(uint32_t api_version);
 
 /* ---- facts about the build of the program ------------------------------------------------------------------------ */
 
-/* How the unit that includes this header is compiled: for caller_facts of the options, and for ticktrue_build_facts.
-   One "name=value" a line. The compiler's flags are among them where TICKTRUE_UNIT_FLAGS is defined as a string. */
+/* How the unit with this header is compiled: for caller_facts of the options, and for ticktrue_build_facts. One
+   "name=value" per line. If TICKTRUE_UNIT_FLAGS is defined as a string, it is included as the flags of the compiler. */
 #define TICKTRUE_CALLER_FACTS (ticktrue_unit_facts())
 
 #define TICKTRUE_TEXT_OF(x) #x
@@ -463,7 +470,7 @@ TICKTRUE_PLUGIN_API const ticktrue_plugin* ticktrue_plugin_entry(uint32_t api_ve
 #else
 #define TICKTRUE_FACT_FINITE_MATH "no"
 #endif
-/* Parts of fast_math that can be on alone; not every compiler tells them. */
+/* Parts of fast_math that can be enabled alone. Not every compiler defines these macros. */
 #if defined(__ASSOCIATIVE_MATH__) || defined(__RECIPROCAL_MATH__) || defined(__NO_SIGNED_ZEROS__)
 #define TICKTRUE_FACT_UNSAFE_MATH "yes"
 #else
@@ -592,7 +599,7 @@ TICKTRUE_PLUGIN_API const ticktrue_plugin* ticktrue_plugin_entry(uint32_t api_ve
   " " TICKTRUE_FACT_SYSTEM TICKTRUE_FACT_FLAGS
 
 static inline const char* ticktrue_unit_facts(void) {
-  /* Rounded, the product is 1 + 2^-39, also with the 64 bits of x87. Fused with the difference, 2^-80 is left. */
+  /* The rounded product is 1 + 2^-39, also with the 64 bits of x87. The fused difference is 2^-80. */
   volatile double factor = 1.0 + 1.0 / 1099511627776.0;
   volatile double rounded = 1.0 + 2.0 / 1099511627776.0;
   volatile double rest = 0.0;

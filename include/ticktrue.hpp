@@ -1,4 +1,4 @@
-// The C++20 layer over ticktrue.h: each member of a struct is named once, and a session does the rest.
+// The C++20 layer over ticktrue.h: the program names each member of a struct once, and the session registers them.
 // SPDX-License-Identifier: MIT
 //
 //   TICKTRUE_COLUMNS(Unit, id, pos, vel, name, inventory)           // once, beside the struct
@@ -7,11 +7,11 @@
 //   while (...) { if (!session.begin_tick()) break; step(); session.end_tick(); }
 //   return session.close();
 //
-// docs/any_simulation.md, "C++: five lines", leads through it. What holds:
-// - Header-only over the C interface: the same calls, the same bytes in a trace. `handle()` gives the C session.
-// - Nothing throws but memory that runs out and callbacks of the program. It builds with -fno-exceptions and -fno-rtti.
-// - A recording that fails never ends the game: calls return true, `error()` says why, `close()` returns 2.
-// - A verification that ends, differs or fails returns false: leave the loop.
+// docs/any_simulation.md, "C++: five lines", explains it. Rules:
+// - Header-only over the C interface: the same calls, the same bytes in a trace. `handle()` returns the C session.
+// - Only exhausted memory and callbacks of the program throw. It builds with -fno-exceptions and -fno-rtti.
+// - A failed recording never ends the game: calls return true, `error()` has the reason, `close()` returns 2.
+// - If a verification ends, differs or fails, calls return false: leave the loop.
 // - A session without --record and --verify is off: calls return true and do nothing.
 #pragma once
 
@@ -31,7 +31,7 @@
 
 namespace ticktrue {
 
-/// Says that a type consists of `count` equal numbers and nothing else, where the header cannot see it:
+/// States that a type consists of `count` equal numbers and nothing else, if the header cannot detect this:
 ///   template <> struct ticktrue::lanes<Matrix4> : ticktrue::lanes_of<float, 16> {};
 template <class T>
 struct lanes;
@@ -55,7 +55,7 @@ concept HasLanes = requires {
   typename lanes<T>::scalar;
   lanes<T>::count;
 };
-/// TICKTRUE_COLUMNS stands in the namespace of the struct: it is found by the argument (ADL).
+/// TICKTRUE_COLUMNS must be in the namespace of the struct: the call is found by its argument (ADL).
 template <class T>
 concept HasColumns = requires {
   ticktrue_columns_of(Of<T>{}, Ignore{});
@@ -96,7 +96,7 @@ struct ArrayOf<std::array<T, Count>> {
 template <class T>
 concept IsArray = !std::is_void_v<typename ArrayOf<T>::element>;
 
-/// How many of x, y, z, w a vector of equal numbers without padding has; 0: it is no such vector.
+/// The number of x, y, z, w in a vector of equal numbers without padding; 0: not such a vector.
 template <class T>
 constexpr std::size_t vector_size() {
   if constexpr (requires(T & v) { requires IsScalar<decltype(v.x)> && std::is_same_v<decltype(v.x), decltype(v.y)>; }) {
@@ -114,7 +114,7 @@ constexpr std::size_t vector_size() {
   }
 }
 
-/// What a member is. Texts, bytes and lists become tables of their own, with the rows they belong to.
+/// The kind of a member. Texts, bytes and lists become separate tables, linked to the rows to which they belong.
 enum class Kind {
   numbers,
   columns,
@@ -140,7 +140,7 @@ template <class T>
 concept IsByte = std::is_same_v<T, unsigned char> || std::is_same_v<T, char> || std::is_same_v<T, std::byte> ||
     std::is_same_v<T, char8_t>;
 
-/// The elements of a container that lie side by side.
+/// The adjacent elements of a container.
 template <class C>
 using ElementOf = std::remove_cvref_t<decltype(*std::data(std::declval<const C&>()))>;
 
@@ -219,7 +219,7 @@ constexpr auto number_in() {
     return number_in<decltype(std::declval<T&>().x)>();
 }
 
-/// One of TICKTRUE_U8..TICKTRUE_F64. Signed numbers of 8 and 16 bits are compared as their bits, as ticktrue.h says.
+/// One of TICKTRUE_U8..TICKTRUE_F64. Signed numbers of 8 and 16 bits are compared by their bits, as in ticktrue.h.
 template <class T>
 constexpr int type_of(Of<T>) {
   static_assert(sizeof(T) == 1 || sizeof(T) == 2 || sizeof(T) == 4 || sizeof(T) == 8);
@@ -250,13 +250,13 @@ constexpr bool can_refer() {
     return false;
 }
 
-/// Whether T can be a text that ends with its first zero.
+/// Whether T can be a text that ends at its first zero.
 template <class T>
 constexpr bool is_char_array() {
   return IsByte<typename ArrayOf<T>::element>;
 }
 
-/// A member in the list of TICKTRUE_COLUMNS.
+/// A member in TICKTRUE_COLUMNS.
 template <class T, Role member_role>
 struct Entry {
   using type = std::remove_cv_t<T>;
@@ -266,7 +266,7 @@ struct Entry {
   const char* target;  // of a reference: a table
 };
 
-/// A column as the library sees it.
+/// A column in the form of the library.
 struct Column {
   std::string name;
   int type;
@@ -279,15 +279,15 @@ struct Column {
 
 struct List;
 
-/// The columns of a row or of an element of a list, and its lists.
+/// The columns and lists of a row, or of an element of a list.
 struct Layout {
   std::vector<Column> columns;
   std::vector<List> lists;
 };
 
-/// A text, a string of bytes or a list inside of a row.
+/// A text, a byte string or a list in a row.
 struct List {
-  std::string name;  // behind that of the table
+  std::string name;  // appended to the name of the table
   Kind kind;         // text, bytes or list
   ticktrue_elements elements;
   std::size_t offset;  // bytes from the begin of a row
@@ -295,7 +295,7 @@ struct List {
   Layout layout;       // of an element
 };
 
-/// The elements of a C that lies `offset` bytes behind the begin of a row.
+/// The elements of a C at `offset` bytes in a row.
 template <class C>
 const void* elements_of(void* offset, const void* row, std::uint32_t, std::size_t* count) {
   const auto* at = static_cast<const unsigned char*>(row) + reinterpret_cast<std::uintptr_t>(offset);
@@ -315,10 +315,10 @@ constexpr std::size_t column_count();
 template <class T>
 constexpr bool has_shown();
 
-inline constexpr int depth_max = 8;  // of lists of lists
+inline constexpr int depth_max = 8;  // of nested lists
 
-/// Appends the columns and lists of a T that begins `offset` bytes behind the begin of a row. In an element of a list,
-/// at `depth` 1 or deeper, the struct itself has the name "".
+/// Appends the columns and lists of a T at `offset` bytes in a row. In an element of a list (`depth` 1 or deeper), the
+/// struct itself has the name "".
 template <class T, int depth = 0>
 void add_columns(const std::string& name, std::size_t offset, Role role, const char* target, Layout& layout) {
   using Type = std::remove_cv_t<T>;
@@ -341,10 +341,10 @@ void add_columns(const std::string& name, std::size_t offset, Role role, const c
     ticktrue_columns_of(Of<Type>{}, [&](auto entry) {
       using Member = decltype(entry);
       const bool is_nested = !name.empty() || depth > 0;
-      // A key orders the rows of a table: inside of a nested struct it is a column as any other.
+      // A key orders the rows of a table. In a nested struct it is an ordinary column.
       const Role own = is_nested && Member::role == Role::key ? Role::plain : Member::role;
       std::string member = name.empty() ? std::string(entry.name) : name + "." + entry.name;
-      // Each list has columns of these names.
+      // These names are taken: each list has such columns.
       if (depth > 0 && (member == "owner" || member == "index")) member = "value." + member;
       add_columns<typename Member::type, depth>(member, offset + entry.offset, role == Role::shown ? role : own,
                                                 entry.target, layout);
@@ -371,7 +371,7 @@ void add_columns(const std::string& name, std::size_t offset, Role role, const c
   }
 }
 
-/// Whether a T has texts, bytes or lists, of which it does not hold the elements itself.
+/// Whether a T has texts, bytes or lists whose elements are outside the T.
 template <class T>
 constexpr bool has_lists() {
   if constexpr (IsArray<T>) {
@@ -407,7 +407,7 @@ constexpr std::size_t column_count() {
   } else if constexpr (IsArray<T>) {
     return ArrayOf<T>::count * column_count<typename ArrayOf<T>::element>();
   } else if constexpr (!HasColumns<T>) {
-    return 0;  // refused where the member is named
+    return 0;  // refused where the program names the member
   } else {
     std::size_t count = 0;
     ticktrue_columns_of(Of<T>{}, [&](auto entry) { count += column_count<typename decltype(entry)::type>(); });
@@ -429,14 +429,14 @@ constexpr bool keys_lead() {
   return holds;
 }
 
-/// Where the rows of a table lie.
+/// The address and number of the rows of a table.
 struct Rows {
   const void* first = nullptr;
   std::size_t count = 0;
   bool operator==(const Rows&) const = default;
 };
 
-/// Whether C is a row by itself and no container of rows.
+/// Whether C is a single row, not a container of rows.
 template <class C>
 constexpr bool is_single_row() {
   return !IsArray<C> && !IsContainer<C> && (!IsContiguous<C> || HasColumns<C>);
@@ -494,7 +494,7 @@ constexpr void check_row(Of<Row>) {
   }
 }
 
-/// What the session of a program keeps; the callbacks of the C interface point to it.
+/// The data of a session; the callbacks of the C interface point to it.
 struct Core {
   struct Table {
     std::uint32_t number;
@@ -509,11 +509,11 @@ struct Core {
 
   ticktrue_session* session = nullptr;
   std::vector<Table> tables;
-  std::vector<Reference> references;  // given to the library when all tables are there
+  std::vector<Reference> references;  // registered when all tables are registered
   ticktrue_saver saver = nullptr;
   ticktrue_loader loader = nullptr;
   void* user = nullptr;
-  std::uint64_t ticks = 0;  // while the library counts none
+  std::uint64_t ticks = 0;  // used while the library counts no ticks
   std::string closed_error;
 
   Core() = default;
@@ -527,7 +527,7 @@ struct Core {
     return ticktrue_close(std::exchange(session, nullptr));
   }
 
-  /// Containers may have grown and moved.
+  /// Registers containers that have grown or moved.
   void refresh() {
     if (session == nullptr) return;
     for (Table& table : tables) {
@@ -556,7 +556,7 @@ struct Core {
   }
 };
 
-/// The bytes of a T as inputs of a tick: without padding, and a bool from a trace is 0 or 1.
+/// The bytes of a T as inputs of a tick, without padding. A bool from a trace becomes 0 or 1.
 template <class T>
 int input_of(ticktrue_session* session, unsigned char* at) {
   if constexpr (std::is_same_v<T, bool>) {
@@ -619,16 +619,17 @@ int paste_state(void* state, const void* bytes, std::size_t size) {
 
 }  // namespace detail
 
-/// The options of ticktrue.h with their names and meaning, and what C++ can fill in.
+/// The options of ticktrue.h, with the same names and meanings, and functions to fill them in.
 struct Options : ticktrue_options {
-  /// `facts` are those of the unit that makes the options: the last argument is never written.
+  /// `facts`: of the unit that makes the options. Never pass this argument.
   explicit Options(const char* program, const char* facts = TICKTRUE_CALLER_FACTS) : ticktrue_options() {
     struct_size = sizeof(ticktrue_options);
     name = program;
     caller_facts = facts;
   }
 
-  /// What the program needs to begin again, as in a struct of level, seed and players. Session::setup reads it back.
+  /// The data with which the program can begin again, such as a struct of level, seed and players. Session::setup
+  /// returns it.
   /// Requires: `value` lives until the session is opened.
   template <class T>
   Options& set_setup(const T& value) {
@@ -639,15 +640,15 @@ struct Options : ticktrue_options {
     return *this;
   }
 
-  /// A recording stores marks and notes. Without it they are dropped.
+  /// Makes a recording store marks and notes. Otherwise they are dropped.
   Options& marks() {
     flags |= TICKTRUE_MARKS;
     return *this;
   }
 
-  /// Save and load of the program's state. Both lambdas capture nothing:
-  ///   save(const State&) returns bytes, as std::string or std::vector<char>;
-  ///   load(State&, std::span<const std::byte>) returns whether the bytes were a state.
+  /// Save and load of the program's state. Neither lambda may capture:
+  ///   save(const State&) returns bytes, such as std::string or std::vector<char>;
+  ///   load(State&, std::span<const std::byte>) returns whether the bytes were a valid state.
   /// Requires: `state` lives as long as the session.
   template <class State, class Save, class Load>
   Options& saves(State& state, Save, Load) {
@@ -658,7 +659,7 @@ struct Options : ticktrue_options {
     user = &state;
     return *this;
   }
-  /// The same for a state that is one block of memory, without pointers.
+  /// The same for a state in one block of memory without pointers.
   template <class State>
   Options& saves(State& state) {
     static_assert(std::is_trivially_copyable_v<State>,
@@ -670,12 +671,12 @@ struct Options : ticktrue_options {
   }
 };
 
-/// A recording or a verification of a program that owns its loop. Closed at its end at the latest.
-/// Calls return whether the program goes on.
+/// A recording or a verification of a program that owns its loop. The destructor closes it. Calls return whether the
+/// program must continue.
 class Session {
  public:
-  /// Records with `--record FILE` among the words, verifies with `--verify FILE`, else it is off. `program` names the
-  /// simulation; the facts about the build are those of the unit that opens the session.
+  /// Records with `--record FILE` among the words, verifies with `--verify FILE`, and is otherwise off. `program` is
+  /// the name of the simulation. The facts about the build are those of the unit that opens the session.
   Session(int argc, char* const* argv, const char* program, const char* facts = TICKTRUE_CALLER_FACTS)
       : Session(argc, argv, Options(program, facts)) {}
   Session(int argc, char* const* argv, const Options& options)
@@ -691,9 +692,9 @@ class Session {
   }
 
   /// Registers a table before the first tick: a std::vector, std::array, std::span or array of rows, or a single struct
-  /// as a table of one row. Rows are structs with TICKTRUE_COLUMNS, or numbers (one column "value"). Members that are
-  /// texts or lists come with it, as the tables "units.name" and "units.inventory".
-  /// Requires: `container` stays where it is until the session is closed; its rows may grow, shrink and move.
+  /// as a table of one row. Rows are structs with TICKTRUE_COLUMNS, or numbers (one column "value"). Texts and lists
+  /// among the members are registered as the tables "units.name" and "units.inventory".
+  /// Requires: `container` stays at its address until the session is closed; its rows may grow, shrink and move.
   template <class Container>
   bool table(const char* name, Container&& container) {
     using C = std::remove_reference_t<Container>;
@@ -705,7 +706,7 @@ class Session {
   }
 
   /// Inputs of the tick that begins next: a number, a vector, or a struct with TICKTRUE_COLUMNS or without padding.
-  /// Record: keeps the value. Verify: replaces it by the recorded one.
+  /// Record: stores the value. Verify: replaces it by the recorded one.
   template <class T>
   bool input(T& value) {
     static_assert(!std::is_const_v<T>, "ticktrue: input: a verification replaces the value: it is not const");
@@ -716,7 +717,7 @@ class Session {
     else
       return false;
   }
-  /// The same for a list: its size is recorded, too, and restored.
+  /// The same for a list: its size is also recorded and restored.
   template <class T, class Allocator>
   bool input(std::vector<T, Allocator>& values) {
     auto count = static_cast<std::uint32_t>(values.size());
@@ -724,7 +725,8 @@ class Session {
     int status = ticktrue_input(core_->session, &count, sizeof count);
     if (status != TICKTRUE_OK) return goes_on(status);
     if (count != values.size()) {
-      // The count comes from outside. More bytes than a tick can have: the library refuses before it looks at memory.
+      // The count comes from the trace. If it exceeds the limit of a tick, the library refuses it before it uses the
+      // memory.
       if (count > input_size_max / sizeof(T)) return goes_on(ticktrue_input(core_->session, &count, SIZE_MAX));
       values.resize(count);
     }
@@ -735,8 +737,8 @@ class Session {
   /// The same for `size` bytes.
   bool input(void* data, std::size_t size) { return goes_on(ticktrue_input(core_->session, data, size)); }
 
-  /// Verify: the recorded setup in `value`; record: that of the options. Unchanged where the session is off.
-  /// Returns false, and changes nothing, where the recorded setup has another size.
+  /// Verify: sets `value` to the recorded setup. Record: sets it to the setup of the options. Off: unchanged.
+  /// Returns false and changes nothing if the recorded setup has another size.
   template <class T>
   [[nodiscard]] bool setup(T& value) const {
     static_assert(detail::has_plain_bytes<T>(),
@@ -749,9 +751,9 @@ class Session {
     return true;
   }
 
-  /// Begins a tick. Leave the loop where it returns false.
+  /// Begins a tick. Leave the loop if it returns false.
   bool begin_tick() { return begin(nullptr); }
-  /// The same with a step of its own length: `dt` (s) is recorded, or replaced by the recorded one.
+  /// The same with an own length: `dt` (s) is recorded, or replaced by the recorded one.
   bool begin_tick(double& dt) { return begin(&dt); }
   bool begin_tick(float& dt) {
     double exact = static_cast<double>(dt);
@@ -759,7 +761,7 @@ class Session {
     dt = static_cast<float>(exact);
     return runs;
   }
-  /// Ends it: the rows are hashed and written, or compared.
+  /// Ends the tick: the rows are hashed and written, or compared.
   bool end_tick() {
     core_->refresh();
     const int status = ticktrue_end_tick(core_->session);
@@ -774,7 +776,7 @@ class Session {
     return goes_on(ticktrue_stage(core_->session, name));
   }
 
-  /// Marks a number in the tick that runs: see ticktrue_mark. Requires: Options::marks.
+  /// Marks a number in the running tick: see ticktrue_mark. Requires: Options::marks.
   template <class T>
   void mark(const char* name, T value) {
     static_assert(std::is_arithmetic_v<T> || std::is_enum_v<T>, "ticktrue: mark: takes a number or an enum");
@@ -783,7 +785,7 @@ class Session {
     else
       ticktrue_mark(core_->session, name, static_cast<std::uint64_t>(value));
   }
-  /// A text of the tick: see ticktrue_note.
+  /// Adds a text about the tick: see ticktrue_note.
   bool note(const char* topic, const char* text) { return goes_on(ticktrue_note(core_->session, topic, text)); }
 
   /// Rollback: see ticktrue_rewind and ticktrue_confirm.
@@ -797,29 +799,29 @@ class Session {
     return goes_on(ticktrue_seek(core_->session, tick));
   }
 
-  /// One file about a desync, and the black box so far as a trace: see ticktrue_bundle and ticktrue_box_save. False:
-  /// not written, and error() says why.
+  /// Write a file about a desync, and the present content of the black box as a trace: see ticktrue_bundle and
+  /// ticktrue_box_save. False: nothing was written, and error() has the reason.
   bool bundle(const char* path) { return ticktrue_bundle(core_->session, path) == TICKTRUE_OK; }
   bool box_save(const char* path) { return ticktrue_box_save(core_->session, path) == TICKTRUE_OK; }
 
-  /// Ticks done, also where the session is off or a recording has failed.
+  /// The number of ticks done, also if the session is off or a recording has failed.
   std::uint64_t tick() const { return counts() ? ticktrue_tick(core_->session) : core_->ticks; }
   bool is_on() const { return core_->session != nullptr; }
   bool is_verifying() const { return is_verifying_; }
-  /// What went wrong; empty if nothing did. Also behind close().
+  /// The error; empty: none. Also valid after close().
   const char* error() const {
     return core_->session != nullptr ? ticktrue_message(core_->session) : core_->closed_error.c_str();
   }
-  /// For every call of ticktrue.h; null where the session is off.
+  /// For all calls of ticktrue.h; null: the session is off.
   ticktrue_session* handle() const { return core_->session; }
 
-  /// Ends the session and prints its report. Returns the exit code of the tool; 0 where the session is off.
+  /// Ends the session and prints its report. Returns the exit code of the tool; 0 if the session is off.
   int close() { return core_->close(); }
 
  private:
-  static constexpr std::size_t input_size_max = std::size_t{8} << 20;  // bytes a tick
+  static constexpr std::size_t input_size_max = std::size_t{8} << 20;  // bytes per tick
 
-  /// As ticktrue_open_arguments reads the words.
+  /// Reads the words as ticktrue_open_arguments does.
   static bool asks_to_verify(int argc, char* const* argv) {
     for (int i = 1; i < argc && argv != nullptr && argv[i] != nullptr; ++i) {
       if (std::strcmp(argv[i], "--verify") == 0) return true;
@@ -833,7 +835,7 @@ class Session {
     core_->saver = options.save;
     core_->loader = options.load;
     core_->user = options.user;
-    // The library refuses one without the other.
+    // The library refuses one of them alone.
     if (options.save != nullptr) wrapped.save = &detail::Core::save;
     if (options.load != nullptr) wrapped.load = &detail::Core::load;
     wrapped.user = core_.get();
@@ -888,7 +890,7 @@ class Session {
     return number;
   }
 
-  /// The library finds a list by the address of its row and the offset in it.
+  /// Finds a list for the library, by the address of its row and the offset in the row.
   void register_lists(const std::string& parent, const std::vector<detail::List>& lists) {
     for (const detail::List& list : lists) {
       const std::string name = parent + "." + list.name;
@@ -906,14 +908,14 @@ class Session {
     }
   }
 
-  std::unique_ptr<detail::Core> core_;  // never null but behind a move
+  std::unique_ptr<detail::Core> core_;  // null only after a move
   bool is_verifying_ = false;
 };
 
 }  // namespace ticktrue
 
-// Messages about a member stand without the hundred steps of the expansion of the macros below. Compilers also keep
-// quiet about offsetof of a struct with bases or private members, which all of them define.
+// These pragmas keep the hundred steps of the macro expansion out of messages about a member. They also turn off a
+// warning about offsetof in a struct with bases or private members, which all these compilers support.
 #if defined(__clang__)
 #define TICKTRUE_QUIET_OFFSETS_ \
   _Pragma("clang diagnostic push") _Pragma("clang diagnostic ignored \"-Winvalid-offsetof\"")
@@ -926,10 +928,10 @@ class Session {
 #pragma GCC system_header
 #endif
 
-/// Names the members of a struct that are its columns, in order: at the namespace of the struct, behind the struct.
-/// `friend TICKTRUE_COLUMNS(...)` inside of the struct reaches private members; `template <class T>` may stand before.
-/// A member is named as it is, or as one of
-///   key(id)                       first members: rows ascend by them, and are compared by them
+/// Names the members of a struct that are its columns, in order. It belongs in the namespace of the struct, after the
+/// struct. `friend TICKTRUE_COLUMNS(...)` inside the struct can use private members; `template <class T>` may precede
+/// it. A member is named as it is, or as one of
+///   key(id)                       first members: rows ascend by these and are compared by these
 ///   shown(sprite)                 stored and printed, never compared
 ///   text(label)                   an array of char that holds a text up to its first zero
 ///   reference(target, "units")    a u32 that holds keys of the rows of that table, or 0xffffffff
@@ -941,7 +943,7 @@ class Session {
     TICKTRUE_LOUD_OFFSETS_                                                                 \
   }
 
-// `key(id)` becomes TICKTRUE_ROLE_key(id), which is a macro; `id` becomes TICKTRUE_ROLE_id, which is none and is
+// `key(id)` becomes TICKTRUE_ROLE_key(id), which is a macro. `id` becomes TICKTRUE_ROLE_id, which is not a macro and is
 // dropped.
 #define TICKTRUE_ROLE_key(member) , key, member, nullptr
 #define TICKTRUE_ROLE_shown(member) , shown, member, nullptr
@@ -984,7 +986,7 @@ class Session {
   static_assert(::ticktrue::detail::kind_of<decltype(TicktrueRow::member)>() != ::ticktrue::detail::Kind::kind, \
                 "ticktrue: " #member " " hint);
 
-// TICKTRUE_MEMBER_ of each argument: the preprocessor reads the list again and again until none is left, at most 340.
+// TICKTRUE_MEMBER_ for each argument: the preprocessor scans the list again until it is empty, at most 340 times.
 #define TICKTRUE_EACH_(member, ...) TICKTRUE_MEMBER_(member) __VA_OPT__(TICKTRUE_AGAIN_ TICKTRUE_PARENS_(__VA_ARGS__))
 #define TICKTRUE_AGAIN_() TICKTRUE_EACH_
 #define TICKTRUE_PARENS_ ()

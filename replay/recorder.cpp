@@ -1,4 +1,4 @@
-// The recording loop: inputs to the disk, step, hashes to the disk.
+// The recording loop: writes the inputs, runs the tick, writes the hashes.
 // SPDX-License-Identifier: MIT
 #include "replay/recorder.h"
 
@@ -19,7 +19,7 @@ std::string non_finite_text(const Simulation& simulation, std::uint64_t tick, co
          ": found a value that is not finite";
 }
 
-/// One recording in progress.
+/// One running recording.
 class Recording {
  public:
   Recording(Simulation& simulation, InputSource& source, TraceWriter& writer, const RecordOptions& options,
@@ -38,7 +38,7 @@ class Recording {
       if (options_.tick_count && tick >= *options_.tick_count) return finish(EndReason::complete, "");
       if (is_stopped(tick)) return stop(tick);
       Result<std::optional<TickInput>> input = source_.next(tick);
-      // A wait for live inputs ends with an error when a signal asks to stop.
+      // A signal can end the wait for live inputs: then the wait returns an error.
       if (!input && !source_.repeatable() && is_stopped(tick)) return stop(tick);
       if (!input) return source_.tick_failed() ? give_up(input.error()) : refuse(input.error());
       if (!input->has_value() && tick == 0)
@@ -61,7 +61,7 @@ class Recording {
  private:
   bool is_stopped(std::uint64_t tick) { return options_.progress && !options_.progress(tick); }
 
-  /// Nothing where the trace holds no saves.
+  /// Nothing: the trace has no saves.
   Result<std::optional<Bytes>> find_save() {
     if (!has_saves_) return std::optional<Bytes>();
     Result<std::optional<Bytes>> save = simulation_.save(writer_.tick_count());
@@ -99,7 +99,7 @@ class Recording {
     return std::move(result_);
   }
 
-  /// The source or the simulation refused an input.
+  /// Handles an input that the source or the simulation refused.
   Error refuse(Error error) {
     if (source_.repeatable() || writer_.tick_count() == 0) {
       writer_.discard();
@@ -108,7 +108,7 @@ class Recording {
     return close_before(std::move(error));
   }
 
-  /// The tick failed: the earlier ticks show how the simulation got there.
+  /// Handles a failed tick. The earlier ticks are kept: they show how the simulation got there.
   Error give_up(Error error) {
     if (writer_.tick_count() > 0) return close_before(std::move(error));
     writer_.discard();
@@ -129,7 +129,7 @@ class Recording {
   TraceWriter& writer_;
   const RecordOptions& options_;
   bool has_saves_;
-  StageHashes stage_hashes_;  // of the ticks that store them
+  StageHashes stage_hashes_;  // of ticks with stored stage hashes
   RecordResult result_;
 };
 

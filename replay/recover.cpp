@@ -15,7 +15,7 @@ namespace ticktrue::replay {
 namespace {
 
 Status copy_checkpoint(const CheckpointRecord& checkpoint, TraceWriter& writer) {
-  // The time of a first checkpoint that comes late is in it alone.
+  // Only the first checkpoint itself has the time of a trace that begins late.
   if (!writer.has_checkpoint() && checkpoint.tick > 0) writer.begin_at(checkpoint.tick, checkpoint.time_s.value_or(0));
   if (const Status status = writer.checkpoint_encoded(checkpoint.image, checkpoint.root_hash); !status) return status;
   if (checkpoint.shown)
@@ -23,7 +23,7 @@ Status copy_checkpoint(const CheckpointRecord& checkpoint, TraceWriter& writer) 
   return checkpoint.save ? writer.save(*checkpoint.save) : Status();
 }
 
-/// Names stand anew where the copy begins its own chunks.
+/// The chunks of the copy begin at other ticks: names are written again.
 Status copy_bound(const TickRecord& tick, TraceWriter& writer) {
   bool has_list = false;
   for (const BoundRecord& record : tick.bound) {
@@ -37,7 +37,7 @@ Status copy_bound(const TickRecord& tick, TraceWriter& writer) {
   return {};
 }
 
-/// Those of a tick that did not end. One without inputs has not begun yet.
+/// Copies the notes of an incomplete tick. Without its inputs, the tick has not begun.
 Status copy_pending_notes(const TraceTail& tail, TraceWriter& writer) {
   if (tail.pending_notes.empty()) return {};
   if (!tail.has_pending_inputs)
@@ -52,7 +52,7 @@ bool nothing_saved(const TraceWriter& writer, std::uint64_t first_tick, const Tr
   return (!writer.has_checkpoint() || writer.tick_count() == first_tick) && tail.condition != TraceCondition::complete;
 }
 
-/// A tick that is written only after enough later ticks have been read without damage.
+/// A tick that is written only after enough later ticks were read without damage.
 struct UnconfirmedTick {
   double dt = 0;
   Bytes inputs;
@@ -68,12 +68,12 @@ bool is_same_setup(const TraceSetup& a, const TraceSetup& b) {
   return std::equal(left.begin(), left.end(), right.begin(), right.end());
 }
 
-/// The ticks of the chunk in which the damage lies, up to the damage: a file that ended there would be a truncated
-/// trace, whose last chunk is read record by record.
+/// Copies the ticks before the damage in its chunk. A file that ended at the damage would be a truncated trace, and the
+/// last chunk of a truncated trace is read record by record.
 Status salvage(const std::string& input, const TraceSetup& setup, std::uint64_t damage_offset, TraceWriter& writer) {
   Result<TraceReader> reader = TraceReader::open(input, damage_offset);
-  if (!reader) return {};                                 // damage in the setup or the build facts: no ticks before it
-  if (!is_same_setup(reader->setup(), setup)) return {};  // another file by now: told at the end
+  if (!reader) return {};  // damage in the setup or the build facts: no ticks before the damage
+  if (!is_same_setup(reader->setup(), setup)) return {};  // the file was replaced; reported at the end
   if (!writer.has_checkpoint()) return {};
   std::deque<UnconfirmedTick> unconfirmed;
   for (;;) {
@@ -81,7 +81,7 @@ Status salvage(const std::string& input, const TraceSetup& setup, std::uint64_t 
     if (std::holds_alternative<std::monostate>(item)) return {};
     const auto* tick = std::get_if<TickRecord>(&item);
     if (tick == nullptr || tick->tick < writer.tick_count()) continue;
-    if (tick->tick != writer.tick_count() + unconfirmed.size()) return {};  // another file by now
+    if (tick->tick != writer.tick_count() + unconfirmed.size()) return {};  // the file was replaced
     unconfirmed.push_back(
         {tick->dt, Bytes(tick->inputs.begin(), tick->inputs.end()), tick->root_hash, tick->stage_hashes});
     if (unconfirmed.size() <= salvage_margin) continue;
@@ -130,7 +130,7 @@ Status finish_copy(const TraceTail& tail, TraceWriter& writer) {
   if (const Status status = copy_pending_notes(tail, writer); !status) return status;
   for (const PeerRecord& peer : tail.peers)
     if (const Status status = writer.peer(peer); !status) return status;
-  // With its end record, no tick was lost: only index or footer were.
+  // An intact end record: only index or footer were lost, and no tick.
   if (tail.end) return writer.finish(tail.end->reason, tail.end->note);
   return writer.finish(EndReason::recovered, tail.message);
 }
@@ -144,7 +144,7 @@ Result<RecoverResult> recover_trace(const std::string& input, const std::string&
   WriterOptions options;
   options.overwrite = overwrite;
   options.compress = reader->is_compressed();
-  options.allow_third = true;  // what the trace has already
+  options.allow_third = true;  // the input may have version 3
   Result<TraceWriter> writer = TraceWriter::create(output, reader->setup(), reader->facts(), options);
   if (!writer) return writer.error();
   if (const Status status = copy(*reader, input, *writer); !status) {

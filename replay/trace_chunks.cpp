@@ -1,4 +1,4 @@
-// Reads chunk after chunk. A chunk is verified before any record of it is returned.
+// Reads chunk after chunk. A chunk is verified before its records are returned.
 // SPDX-License-Identifier: MIT
 #include <algorithm>
 
@@ -207,7 +207,7 @@ Step TraceReader::Impl::read_index(const ChunkHeader& header) {
       damaged(cursor.offset, "index: found other places than the checkpoints have");
   }
   if (fault) {
-    // All ticks have been read, and the header locates the footer: continue, and report the damage at the end.
+    // All ticks have been read, and the header locates the footer: reading continues, and the end reports the damage.
     if (fault->condition == TraceCondition::truncated || whole_size(header) > remaining()) return Step::stop;
     note_damage(*std::exchange(fault, std::nullopt));
   }

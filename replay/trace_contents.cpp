@@ -1,4 +1,4 @@
-// Reads chunks outside of the chain: shown images, saves, peers. Damage to them is told and costs no tick.
+// Reads chunks outside the chain: shown images, saves, peers. Damage to them is reported and loses no tick.
 // SPDX-License-Identifier: MIT
 #include <algorithm>
 #include <utility>
@@ -15,7 +15,7 @@ std::optional<ChunkHeader> TraceReader::Impl::find_behind_lost() {
   if (version < format_version_third || is_searching || cursor.phase != Phase::body ||
       fault->condition != TraceCondition::damaged)
     return std::nullopt;
-  // Each chunk of the chain changes its value: where that is the same, none of them is missing.
+  // Each chunk in the chain changes the chain value. An equal value proves that no such chunk is missing.
   std::uint64_t offset = cursor.offset;
   while (const std::optional<ChunkHeader> header = find_header(offset)) {
     if (header->chain == cursor.chain && header->tick == cursor.tick && header->sequence >= cursor.sequence) {
@@ -52,7 +52,7 @@ Step TraceReader::Impl::read_content_part(const ChunkHeader& header) {
       decode_content_part(*payload, what, is_save ? limits::save_size_max : limits::shown_size_max);
   if (!part) return wrong(part.error().message);
   const bool is_first = cursor.content_kind == 0;
-  if (is_first && part->offset != 0 && cursor.has_gap) {  // a part of what is lost
+  if (is_first && part->offset != 0 && cursor.has_gap) {  // the first parts were lost
     pass(header);
     return Step::passed;
   }
@@ -62,7 +62,7 @@ Step TraceReader::Impl::read_content_part(const ChunkHeader& header) {
                      part->root_hash != before.root_hash)
     return wrong(what + ": a part of another place or content");
   Bytes& content = is_save ? save_bytes : shown_bytes;
-  // All that is held of one state counts together.
+  // The size of all content of one state is limited as a sum.
   ImagePart all = *part;
   all.offset += composed.size() + (is_save && cursor.has_shown ? shown_bytes.size() : 0);
   if (const Status status = check_image_limits(all, cursor.offset + whole_size(header)); !status)
@@ -111,7 +111,7 @@ void TraceReader::Impl::read_contents() {
     if (!header || (header->kind != static_cast<std::uint8_t>(ChunkKind::shown) &&
                     header->kind != static_cast<std::uint8_t>(ChunkKind::save)))
       return;
-    // One that does not belong here would be passed with all behind it, up to what does.
+    // A header that does not belong here would make the search skip everything up to its place.
     if (header->chain != cursor.chain || header->tick != cursor.tick || header->sequence < cursor.sequence) return;
     if (read_chunk() == Step::stop) return;
   }

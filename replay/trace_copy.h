@@ -1,4 +1,4 @@
-// Copies what a reader gives into a writer: for recovery.
+// Copies items from a reader to a writer, for recovery.
 // SPDX-License-Identifier: MIT
 #pragma once
 
@@ -8,10 +8,10 @@
 
 namespace ticktrue::replay {
 
-/// A tick or a checkpoint with all that belongs to it. The first checkpoint may stand at any tick.
+/// Copies a tick or a checkpoint with all its records. The first checkpoint may be at any tick.
 Status copy_item(const TraceReader::Item& item, TraceWriter& writer);
 
-/// The tick in flight and the end: that of the tail, or `recovered`.
+/// Copies the incomplete tick, and ends the trace as the tail does; a tail without an end record gives `recovered`.
 Status finish_copy(const TraceTail& tail, TraceWriter& writer);
 
 }  // namespace ticktrue::replay

@@ -1,4 +1,4 @@
-// Reads state images part by part. The memory held and unpacked is bounded by the size of the file.
+// Reads state images part by part. The file size bounds the bytes in memory and the decompressed bytes.
 // SPDX-License-Identifier: MIT
 #include <algorithm>
 #include <utility>
@@ -46,7 +46,7 @@ Status TraceReader::Impl::check_shape(const ImagePart& part) {
   if (part.offset == 0 && !image.empty()) {
     const bool is_image = cursor.part_kind == static_cast<std::uint8_t>(ChunkKind::image);
     cursor.base = is_image && composed.holds(cursor.tick - 1) ? ListBase::before : ListBase::nothing;
-    // Read from the middle, the state before is not known: the list says what it is relative to.
+    // Reading began in the middle: the state before is unknown, and the list itself says what it is relative to.
     if (is_image && !cursor.state_is_known)
       cursor.base = image[0] == static_cast<std::uint8_t>(ListBase::before) ? ListBase::before : ListBase::nothing;
   }
@@ -71,7 +71,7 @@ Status TraceReader::Impl::take_image(std::uint64_t image_end) {
 StoredState TraceReader::Impl::stored_state() {
   if (version >= format_version_third) return {composed.tables(), composed.listed()};
   Result<std::vector<ImageTable>> split = split_image(setup.schema, image);
-  TICKTRUE_ASSERT(split.has_value());  // its shape was checked part by part
+  TICKTRUE_ASSERT(split.has_value());  // the shape of each part was checked
   tables = std::move(*split);
   return {tables, all_tables};
 }

@@ -67,7 +67,7 @@ Status TraceReader::Impl::read_start() {
   find_first_tick();
   start = cursor;
   start_fault = fault;
-  window = {};  // it held the setup, which may be large
+  window = {};  // frees the setup, which can be large
   rewind();
   return {};
 }
@@ -113,7 +113,7 @@ void TraceReader::Impl::read_facts() {
   if (!fault || fault->condition == TraceCondition::truncated) return;
   facts_fault = std::exchange(fault, std::nullopt);
   if (cursor.sequence == 2) return;
-  // The header is damaged: the following chunks are found by their own headers.
+  // The header is damaged: later chunks are found by their own headers.
   std::uint64_t offset = cursor.offset;
   while (std::optional<ChunkHeader> next = find_header(offset)) {
     if (next->sequence == 2 && next->chain == cursor.chain && (next->tick == 0 || setup.has(Feature::tail))) {
@@ -174,7 +174,7 @@ const TraceReader::Item& TraceReader::Impl::next() {
   }
 }
 
-/// The cells of a record that was checked.
+/// Decodes the cells of a checked record.
 const StateCells* TraceReader::Impl::read_cells(ByteView body) {
   if (!cell_layout) {
     decode_cells(setup.schema, body, cells);
@@ -185,7 +185,7 @@ const StateCells* TraceReader::Impl::read_cells(ByteView body) {
   return &walk_cells.cells();
 }
 
-/// A record outside of the chain that was checked.
+/// Reads a checked record outside the chain.
 void TraceReader::Impl::read_bound(const Record& part, TickRecord& record) {
   record.bound.push_back({part.tag, part.body});
   switch (static_cast<RecordTag>(part.tag)) {

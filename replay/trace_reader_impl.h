@@ -1,4 +1,4 @@
-// The implementation of TraceReader, shared by its source files: reads chunks, returns records, scans.
+// The implementation of TraceReader, shared by its source files: reads chunks, returns records, scans the file.
 // SPDX-License-Identifier: MIT
 #pragma once
 
@@ -21,10 +21,10 @@ namespace ticktrue::replay {
 
 inline constexpr std::size_t read_ahead_size = 512u << 10;
 
-/// What comes next in the file.
+/// The next part of the file.
 enum class Phase : std::uint8_t { body, index, footer, closed };
 
-/// What reading one chunk gave.
+/// The result of reading one chunk.
 enum class Step : std::uint8_t { passed, ticks, checkpoint, image, stop };
 
 struct Fault {
@@ -33,16 +33,16 @@ struct Fault {
   std::string message;
 };
 
-/// Tracks the row counts of an image that is read in parts: a wrong count is found before the rest is read.
+/// Tracks the row counts of an image that arrives in parts. A wrong count is found before later parts are read.
 struct ImageShape {
-  std::size_t table = 0;     // whose row count stands at `offset`
-  std::uint64_t offset = 0;  // behind the last table: the size of the image
+  std::size_t table = 0;     // the row count of this table is at `offset`
+  std::uint64_t offset = 0;  // after the last table: the size of the image
 
-  /// Reads the row counts that stand in `image`, the bytes of the image so far. Errors: corrupt.
+  /// Reads the row counts in `image`, the bytes of the image so far. Errors: corrupt.
   Status pass(const StateSchema& schema, ByteView image, std::uint64_t image_size);
 };
 
-/// The complete read position: copied before a trial and restored afterwards.
+/// The complete read position. A trial copies it first and restores it afterwards.
 struct Cursor {
   std::uint64_t offset = 0;  // of the next chunk
   std::uint32_t sequence = 0;
@@ -52,28 +52,28 @@ struct Cursor {
   bool has_checkpoint = false;
   std::uint64_t last_checkpoint = 0;
 
-  // A state image whose parts are being read.
+  // A state image with unread parts.
   std::uint8_t part_kind = 0;         // 0: none
-  ImagePart part;                     // the part before; `stored` is not used
-  ImageShape shape;                   // of the image, as far as it was read
-  TableListShape list;                // the same, version 3
+  ImagePart part;                     // the last part; `stored` is not used
+  ImageShape shape;                   // of the part that was read
+  TableListShape list;                // the same for version 3
   ListBase base = ListBase::nothing;  // of the list
-  bool state_is_known = true;         // false: read from the middle, so that lists of changes cannot be composed
+  bool state_is_known = true;         // false: reading began in the middle, and lists of changes cannot be composed
 
-  // Shown image and save of the state before.
-  std::uint8_t state_kind = 0;    // of that state: checkpoint or image; 0: another chunk came since
-  std::uint8_t content_kind = 0;  // whose parts are being read; 0: none
-  ImagePart content_part;         // the part before
-  bool has_shown = false;         // seen, whole
+  // Shown image and save of the last state.
+  std::uint8_t state_kind = 0;    // the chunk kind of this state: checkpoint or image; 0: another chunk followed
+  std::uint8_t content_kind = 0;  // the content with unread parts; 0: none
+  ImagePart content_part;         // the last part
+  bool has_shown = false;         // the whole shown image was read
   bool has_save = false;
-  bool has_gap = false;  // a chunk outside of the chain is damaged or missing
+  bool has_gap = false;  // a chunk outside the chain is damaged or missing
   std::size_t peer_count = 0;
 
-  bool expects_image = false;  // the last tick said that its image follows
-  bool has_pending = false;    // inputs of a tick without hash stand at the end of the last ticks chunk
+  bool expects_image = false;  // the last tick announced its image
+  bool has_pending = false;    // the last ticks chunk ends with the inputs of a tick without hash
   double pending_dt = 0;
   Bytes pending_inputs;
-  std::vector<Note> pending_notes;  // behind the last tick
+  std::vector<Note> pending_notes;  // after the last tick
 };
 
 struct TicksScan;
@@ -86,17 +86,17 @@ struct TraceReader::Impl {
   std::uint64_t first_tick = 0;  // of the first checkpoint
   FactsPayload facts;
   std::uint64_t facts_check = 0;
-  std::uint64_t seed = 0;            // of header checks, from the setup on
+  std::uint64_t seed = 0;            // of header checks, after the setup
   Cursor start;                      // after setup and build facts
-  std::optional<Fault> start_fault;  // nothing behind the setup can be read
-  std::optional<Fault> facts_fault;  // damaged build facts do not keep ticks from being read
+  std::optional<Fault> start_fault;  // why nothing after the setup can be read
+  std::optional<Fault> facts_fault;  // damaged build facts, which do not keep ticks from being read
 
   Cursor cursor;
-  Cursor image_start;                 // where the last state image began
+  Cursor image_start;                 // the start of the last state image
   std::optional<Fault> fault;         // why reading stopped
-  std::optional<Fault> first_damage;  // damage that did not stop it
-  bool is_sequential = true;          // read from the start, so that the index can be compared
-  bool is_searching = false;          // for intact ranges behind damage
+  std::optional<Fault> first_damage;  // damage after which reading continued
+  bool is_sequential = true;          // reading began at the start, so that the index can be compared
+  bool is_searching = false;          // for intact ranges after damage
   CheckpointIndex seen;
   std::vector<PeerRecord> peers;
   std::optional<EndRecord> end;
@@ -106,30 +106,30 @@ struct TraceReader::Impl {
   // Window on the file.
   Bytes window;
   std::uint64_t window_offset = 0;
-  std::uint64_t window_reads = 0;  // how often it was filled
+  std::uint64_t window_reads = 0;  // number of reads into the window
 
   // Records of the current ticks chunk.
   Bytes records;
   std::size_t walk_offset = 0;
-  std::size_t walk_end = 0;  // behind the last root record
+  std::size_t walk_end = 0;  // after the last root record
   std::uint64_t walk_tick = 0;
   double walk_dt = 0;
   std::uint64_t walk_file_offset = 0;     // of records[0]
-  bool walk_has_bound = true;             // false: damaged, and not given out
-  std::vector<std::string> walk_names;    // of marks, of the chunk so far
+  bool walk_has_bound = true;             // false: damaged, and not returned
+  std::vector<std::string> walk_names;    // names of marks in the chunk so far
   StateCells cells;                       // versions 1 and 2
-  std::optional<CellLayout> cell_layout;  // from here on version 3, where the trace has cells
+  std::optional<CellLayout> cell_layout;  // this and the following fields: version 3; set if the trace has cells
   ComposedCells walk_cells;
   ComposedCells checked_cells;
 
   Bytes image;
   std::vector<ImageTable> tables;         // of `image`, versions 1 and 2
-  std::vector<std::uint32_t> all_tables;  // their numbers
+  std::vector<std::uint32_t> all_tables;  // the numbers of all tables
   ComposedState composed;                 // version 3
-  Bytes joined;                           // its tables as one image
+  Bytes joined;                           // the composed tables as one image
   Bytes shown_bytes;
   Bytes save_bytes;
-  std::uint64_t unpacked_size = 0;  // of images, since the last rewind
+  std::uint64_t unpacked_size = 0;  // total of all images since the last rewind
   Item item;
   std::uint64_t item_offset = 0;
   TraceTail tail;
@@ -137,7 +137,7 @@ struct TraceReader::Impl {
 
   explicit Impl(InputFile opened, std::string called) : file(std::move(opened)), name(std::move(called)) {}
 
-  /// At most `size` bytes from `offset`; fewer where the file ends. Valid until the next call.
+  /// At most `size` bytes from `offset`; fewer bytes: the file ends. Valid until the next call.
   ByteView view(std::uint64_t offset, std::size_t size);
 
   std::uint64_t remaining() const { return file.size() - cursor.offset; }
@@ -153,10 +153,10 @@ struct TraceReader::Impl {
 
   ChunkHeader expected_header() const;
 
-  /// The header at the cursor, if it is whole, right and the one that must come; else stops.
+  /// The header at the cursor. Stops if the header is incomplete, wrong or out of order.
   std::optional<ChunkHeader> read_header(std::uint64_t header_seed);
 
-  /// The payload of a chunk with stated size, if all of it is there and right; else stops.
+  /// The payload of a chunk with a known size. Stops if the payload is incomplete or wrong.
   std::optional<ByteView> read_payload(const ChunkHeader& header, std::size_t size_max);
 
   void pass(const ChunkHeader& header);
@@ -164,50 +164,50 @@ struct TraceReader::Impl {
   // ---- Setup and build facts ----
 
   Status read_start();
-  /// Prepares what states and cells are composed in.
+  /// Prepares the buffers in which states and cells are composed.
   void begin_states();
   /// Reads the tick of the first checkpoint of a trace that begins late.
   void find_first_tick();
-  /// The stop while reading the setup, as an error of open().
+  /// The fault that stopped reading the setup, as an error of open().
   Error start_error() const;
   void read_facts();
-  /// Moves `offset` to the next valid header at or behind it.
+  /// Moves `offset` to the next valid header at or after it.
   std::optional<ChunkHeader> find_header(std::uint64_t& offset);
 
   // ---- Chunks ----
 
   Step read_chunk();
-  /// Null if a chunk of this kind may come here, else what may.
+  /// Null: a chunk of this kind is allowed here. Otherwise the name of the expected kind.
   const char* wanted_kind(const ChunkHeader& header) const;
   Step read_private(const ChunkHeader& header);
   Step read_image_part(const ChunkHeader& header);
-  /// Checks what was read of a state image so far.
+  /// Checks the part of a state image that was read so far.
   Status check_shape(const ImagePart& part);
-  /// Takes over an image that was read whole.
+  /// Stores a complete image.
   Status take_image(std::uint64_t image_end);
-  /// A part of a shown image or of a save.
+  /// Reads a part of a shown image or a save.
   Step read_content_part(const ChunkHeader& header);
   Step read_peer(const ChunkHeader& header);
-  /// Goes on behind a chunk outside of the chain whose payload is damaged.
+  /// Continues after a chunk outside the chain with a damaged payload.
   Step lose(const ChunkHeader& header);
-  /// After damage to a header: the next one, if all that is missing before it is outside of the chain.
+  /// After damage to a header: returns the next header, if only chunks outside the chain are missing before it.
   std::optional<ChunkHeader> find_behind_lost();
-  /// Reads the shown image and the save that stand behind a state.
+  /// Reads the shown image and the save after a state.
   void read_contents();
   std::optional<ByteView> shown_image() const {
     return cursor.has_shown ? std::optional<ByteView>(shown_bytes) : std::nullopt;
   }
   StoredState stored_state();
-  /// Whether the part, which ends at `end` in the file, is within the limits for a file of that size.
+  /// Whether the part is within the limits for a file that ends after the part, at `part_end`.
   Status check_image_limits(const ImagePart& part, std::uint64_t part_end) const;
-  /// Verifies a ticks chunk record by record and stores its records for walk(). At the end of a truncated file the
+  /// Verifies a ticks chunk record by record and stores its records for walk(). At the end of a truncated file, the
   /// complete records are stored.
   Step read_ticks(const ChunkHeader& header);
   std::string check_record(const Record& record, std::size_t offset, TicksScan& scan);
   static void end_scanned_tick(std::size_t tick_end, TicksScan& scan);
   std::string check_close(const Record& record, const TicksScan& scan) const;
-  /// Whether records that were read again, `size` bytes with the header, are still those whose checks gave `running`:
-  /// others may write to the file.
+  /// Whether records that were read again still have the checks in `running`: another process may write to the file.
+  /// `size`: bytes with the header.
   bool is_as_read(ByteView bytes, std::size_t size, const ChunkHeader& header, const Running& running) const;
   Step changed(const ChunkHeader& header) {
     return damaged(cursor.offset, chunk_text(header.kind) + ": the file changed while it was read");
@@ -215,7 +215,7 @@ struct TraceReader::Impl {
   std::string fault_text(const Record& record) const;
   void set_ticks(ByteView bytes, std::size_t ticks_end, std::uint64_t tick, bool has_bound);
   void set_pending(double dt, ByteView inputs);
-  /// Takes over the notes among the records behind the last root record of a ticks chunk. `dt`: of that tick.
+  /// Stores the notes after the last root record of a ticks chunk. `dt`: of their tick.
   void set_pending_notes(double dt, ByteView bytes);
   Step read_end(const ChunkHeader& header);
   Step read_index(const ChunkHeader& header);
@@ -224,7 +224,7 @@ struct TraceReader::Impl {
     if (!first_damage) first_damage = std::move(damage);
   }
 
-  // ---- Giving out ----
+  // ---- Returning items ----
 
   void rewind();
   const Item& next();
@@ -240,7 +240,7 @@ struct TraceReader::Impl {
 
   // ---- Seeking ----
 
-  /// Header and payload of the footer and the index, if both are right.
+  /// Header and payload of footer and index; nothing: one of them is damaged.
   std::optional<ChunkHeader> footer_header(Footer& footer);
   std::optional<CheckpointIndex> read_index_directly();
   bool seek(std::uint64_t tick);

@@ -14,9 +14,9 @@ namespace ticktrue::replay {
 namespace {
 
 constexpr std::size_t footer_size = chunk_header_size + 24 + chunk_trailer_size;
-constexpr std::size_t intact_range_count_max = 1'000;  // a report, not a map
-// Behind damage every valid header is tried. A real trace needs one try for each damaged place; forged headers that
-// lead nowhere must not make the search quadratic.
+constexpr std::size_t intact_range_count_max = 1'000;  // a report lists no more
+// After damage, each valid header is tried. A real trace needs one try for each damaged place. The limit keeps forged
+// headers without usable chunks from making the search quadratic.
 constexpr int failed_try_count_max = 4'096;
 
 }  // namespace
@@ -62,11 +62,11 @@ std::vector<IntactRange> TraceReader::Impl::find_intact() {
     IntactRange range;
     bool has_ticks = false;
     bool is_whole = false;
-    std::optional<std::uint64_t> checkpoint;  // the first in this range
+    std::optional<std::uint64_t> checkpoint;  // the first checkpoint in this range
     for (;;) {
       const std::uint64_t tick_before = cursor.tick;
       const Step step = read_chunk();
-      if (step == Step::stop || fault) break;  // a chunk that is cut off is not whole
+      if (step == Step::stop || fault) break;  // an incomplete chunk
       is_whole = true;
       if (step == Step::ticks) {
         if (!has_ticks) range.first_tick = tick_before;
@@ -162,7 +162,7 @@ bool TraceReader::Impl::seek(std::uint64_t tick) {
       is_exact = index->stride == 1;
     }
   }
-  // Without an index, or between its entries, the chunks themselves say where checkpoints are.
+  // Without an index, or between its entries, checkpoints are found by reading the chunks.
   is_sequential = false;
   while (!is_exact && cursor.tick <= tick) {
     const Step step = read_chunk();
@@ -170,7 +170,7 @@ bool TraceReader::Impl::seek(std::uint64_t tick) {
     if (step == Step::checkpoint && cursor.tick <= tick) found = image_start;
   }
   const Cursor target = found.value_or(start);
-  rewind();  // faults found by the search are found again by reading
+  rewind();  // reading finds the faults of the search again
   if (!found) return false;
   fault.reset();
   cursor = target;

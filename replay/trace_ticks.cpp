@@ -1,7 +1,6 @@
-// Reads ticks chunks: each record is verified before a tick of it is returned.
+// Reads ticks chunks. Each record is verified before a tick of the chunk is returned.
 // SPDX-License-Identifier: MIT
 #include <algorithm>
-#include <cmath>
 
 #include "base/hash.h"
 #include "base/limits.h"
@@ -11,11 +10,7 @@
 namespace ticktrue::replay {
 namespace {
 
-constexpr std::size_t ticks_view_size = 32u << 10;  // a usual ticks chunk: 1024 ticks of 11 bytes and their inputs
-
-bool is_dt(double dt) {
-  return std::isfinite(dt) && dt >= 0;
-}
+constexpr std::size_t ticks_view_size = 32u << 10;  // an ordinary ticks chunk: 1024 ticks of 11 bytes, and inputs
 
 std::string hex16(std::uint64_t value) {
   return hex32(static_cast<std::uint32_t>(value)).substr(4);
@@ -27,21 +22,21 @@ bool is_tag(std::uint8_t tag, RecordTag wanted) {
 
 }  // namespace
 
-/// What the records of a ticks chunk gave so far.
+/// The result of the records of a ticks chunk so far.
 struct TicksScan {
   std::uint64_t tick = 0;
   double dt = 0;
   bool has_image = false;
-  std::uint8_t last_tag = 0;  // in the tick: records of the chain come in the order of their tags
-  bool is_pending = false;    // dt or inputs came, the root hash not yet
+  std::uint8_t last_tag = 0;  // in the tick: records of the chain are in the order of their tags
+  bool is_pending = false;    // dt or inputs were read, the root hash was not
   std::size_t inputs_offset = 0;
   std::size_t inputs_size = 0;
-  std::size_t ticks_end = chunk_header_size;  // behind the last root record
+  std::size_t ticks_end = chunk_header_size;  // after the last root record
   BoundRules bound;
-  std::optional<Fault> bound_fault;  // a record outside of the chain is damaged
+  std::optional<Fault> bound_fault;  // damage to a record outside the chain
 };
 
-/// Empty, or why the record may not stand in this tick. `offset`: of its body in the chunk.
+/// Returns why the record must not be in this tick; empty: it may. `offset`: of its body in the chunk.
 std::string TraceReader::Impl::check_record(const Record& record, std::size_t offset, TicksScan& scan) {
   if (record.tag < bound_tag_first) {
     if (record.tag <= scan.last_tag)
@@ -76,7 +71,7 @@ std::string TraceReader::Impl::check_record(const Record& record, std::size_t of
   }
 }
 
-/// Behind a root record.
+/// To be called after a root record.
 void TraceReader::Impl::end_scanned_tick(std::size_t tick_end, TicksScan& scan) {
   ++scan.tick;
   scan.ticks_end = tick_end;
@@ -86,7 +81,7 @@ void TraceReader::Impl::end_scanned_tick(std::size_t tick_end, TicksScan& scan) 
   scan.bound.end_tick();
 }
 
-/// Empty, or why the close record is wrong.
+/// Returns why the close record is wrong; empty: it is right.
 std::string TraceReader::Impl::check_close(const Record& record, const TicksScan& scan) const {
   const std::uint32_t count = ByteReader(record.body).u32();
   if (count != scan.tick - cursor.tick)
@@ -121,7 +116,7 @@ Step TraceReader::Impl::read_ticks(const ChunkHeader& header) {
       continue;
     }
     if (record.fault == RecordFault::bad_outside) {
-      // No tick depends on it: the values of the chain go on to prove the ticks.
+      // No tick depends on this record: the chain values still prove the ticks.
       if (!scan.bound_fault) {
         wrong(fault_text(record));
         scan.bound_fault = std::exchange(fault, std::nullopt);
@@ -153,13 +148,13 @@ Step TraceReader::Impl::read_ticks(const ChunkHeader& header) {
     if (scan.tick > limits::tick_count_max)
       return wrong("tick count: found more than " + std::to_string(limits::tick_count_max));
   }
-  // A flipped size can look like a truncated file: then an intact chunk follows.
+  // A wrong size can look like a truncated file. In this case an intact chunk follows.
   std::uint64_t behind = cursor.offset + at;
   const std::uint64_t cut = behind;
   if (find_header(behind))
     return damaged(cut, chunk_text(header.kind) + ": found a record that does not end before the next chunk");
   if (scan.bound_fault) {
-    fault = scan.bound_fault;  // without the close record, no tick behind it is proven
+    fault = scan.bound_fault;  // without the close record, no later tick is proven
     return Step::stop;
   }
   truncated("the file ends inside " + chunk_text(header.kind) + ": found " + std::to_string(scan.tick - cursor.tick) +

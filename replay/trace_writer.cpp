@@ -1,4 +1,4 @@
-// Writes chunks and records, each with one call of the operating system, unbuffered.
+// Writes chunks and records without buffering: one system call each.
 // SPDX-License-Identifier: MIT
 #include "replay/trace_writer.h"
 
@@ -22,15 +22,16 @@
 namespace ticktrue::replay {
 namespace {
 
-// A fast recording passes many checkpoints a second, and each sync costs milliseconds.
+// A fast recording writes many checkpoints a second, and each sync takes milliseconds.
 constexpr std::chrono::seconds sync_interval{1};
 
-// Of the bound records of a chunk: room for the records that say that others were left out, one of each for each tick.
+// Part of the limit for bound records of a chunk. It is reserved for the records that report left-out records: one for
+// each tick.
 constexpr std::size_t left_out_room = 128u << 10;
 constexpr std::size_t record_frame_size_max = 8;  // tag, size, check
 constexpr const char* left_out_topic = "ticktrue.left_out";
 
-/// Version 3 is written where a test asks for it alone: its number must not go out before all of it is built.
+/// The caller must allow version 3 (WriterOptions::allow_third).
 Error refuse_third(const TraceSetup& setup, const std::string& path) {
   if (setup.schema.tables.size() > limits::table_count_max)
     return {ErrorCode::limit,
@@ -49,11 +50,11 @@ Error refuse_third(const TraceSetup& setup, const std::string& path) {
 struct TraceWriter::Impl {
   OutputFile file;
   WriterOptions options;
-  // Of the setup: what later calls need.
-  TraceSetup setup;  // without the bytes of the simulation's own
+  // The parts of the setup that later calls need.
+  TraceSetup setup;  // without the setup bytes of the simulation
   std::uint16_t version = format_version_first;
   std::optional<CellHasher> cell_hasher;  // with Detail::cells
-  std::optional<CellLayout> cell_layout;  // the same, in version 3
+  std::optional<CellLayout> cell_layout;  // with Detail::cells in version 3
   std::uint64_t setup_dt_bits = 0;
 
   std::uint64_t seed = 0;      // of header checks
@@ -61,13 +62,13 @@ struct TraceWriter::Impl {
   std::uint32_t sequence = 0;  // of the next chunk
   std::uint64_t first_tick = 0;
   std::uint64_t tick_count = 0;
-  double time_s = 0;  // simulated in these ticks
+  double time_s = 0;  // simulated time of these ticks
   double tick_dt = 0;
   std::uint64_t size = 0;
-  std::uint64_t unpacked_size = 0;  // of all state images
+  std::uint64_t unpacked_size = 0;  // total of all state images
   std::uint64_t facts_check = 0;
   CheckpointIndex index;
-  std::uint64_t last_checkpoint = 0;  // tick; counts only if there is one
+  std::uint64_t last_checkpoint = 0;  // tick of the last checkpoint; valid only if there is one
   std::chrono::steady_clock::time_point last_sync{};
   bool in_tick = false;
   std::optional<Error> failure;
@@ -78,24 +79,24 @@ struct TraceWriter::Impl {
   Running running;
   std::uint64_t dt_bits = 0;
   std::uint32_t chunk_ticks = 0;
-  std::size_t chunk_size = 0;    // without records outside of the chain: they must not move the next chunk
-  std::size_t bound_size = 0;    // of those
-  std::size_t bound_in_out = 0;  // of those in `out`
-  std::map<std::string, std::uint32_t> mark_names;  // of the chunk: name, id
-  bool told_left_out = false;                       // notes of this chunk are left out, and it is written
-  bool has_cells_before = false;                    // of a tick of this chunk
+  std::size_t chunk_size = 0;    // without records outside the chain: they must not change where the next chunk begins
+  std::size_t bound_size = 0;    // bytes of the records outside the chain
+  std::size_t bound_in_out = 0;  // the part of `bound_size` in `out`
+  std::map<std::string, std::uint32_t> mark_names;  // names of the chunk: name, id
+  bool told_left_out = false;                       // the chunk has a record that notes were left out
+  bool has_cells_before = false;                    // a tick of this chunk has cells
   StateCells cells_before;
 
-  ByteWriter out;  // what the current call hands over
+  ByteWriter out;  // bytes that the current call writes
   Bytes image;
   StateCells cells;
   ByteWriter cells_out;
 
   // Version 3.
   LastState last;
-  std::vector<std::uint32_t> changed;  // tables of the state that is written
-  Bytes canonical;                     // its rows, where the machine is big-endian
-  std::uint64_t held = 0;              // bytes of all tables of the state written last, with what stands behind it
+  std::vector<std::uint32_t> changed;  // changed tables of the current state
+  Bytes canonical;                     // rows of the state on a big-endian machine
+  std::uint64_t held = 0;              // bytes of all tables of the last state, including its shown image and save
 
   explicit Impl(OutputFile opened) : file(std::move(opened)) {}
 
@@ -145,7 +146,7 @@ struct TraceWriter::Impl {
     has_cells_before = false;
   }
 
-  /// Appends the closing record of the open chunk to `out`.
+  /// Appends the close record of the open chunk to `out`.
   void close_chunk() {
     if (!is_open) return;
     if (version < format_version_third)
@@ -156,7 +157,7 @@ struct TraceWriter::Impl {
     is_open = false;
   }
 
-  /// Whether a reader accepts the part even in the smallest possible file. `beside`: what is held with its image.
+  /// Whether a reader accepts the part even in the smallest possible file. `beside`: bytes in memory besides the image.
   bool may_compress(const ImagePart& part, std::uint64_t beside) const {
     return beside + part.offset + part.size <= limits::image_held_max(size) &&
            unpacked_size + part.size <= limits::images_unpacked_max(size);
@@ -166,8 +167,8 @@ struct TraceWriter::Impl {
     ImagePart part;
     part.root_hash = root_hash;
     part.image_size = bytes.size();
-    part.time_s = std::min(time_s, std::numeric_limits<double>::max());  // readers take a finite time alone
-    // A list of changes is held with the tables that it does not change.
+    part.time_s = std::min(time_s, std::numeric_limits<double>::max());  // readers accept only a finite time
+    // A reader of a list of changes also has the unchanged tables in memory.
     const std::uint64_t beside = held > bytes.size() ? held - bytes.size() : 0;
     do {
       part.size = static_cast<std::uint32_t>(std::min<std::size_t>(image_part_size, bytes.size()));
@@ -185,7 +186,7 @@ struct TraceWriter::Impl {
     return {};
   }
 
-  /// A shown image or a save: outside of the chain.
+  /// Writes a shown image or a save: these chunks are outside the chain.
   Status write_content(ChunkKind kind, ByteView bytes, std::size_t size_max) {
     TICKTRUE_ASSERT(!in_tick && !is_open && index.checkpoint_count > 0);
     if (failure) return *failure;
@@ -212,8 +213,8 @@ struct TraceWriter::Impl {
     return {};
   }
 
-  /// The bytes that stand for the state with so many ticks done: an image, in version 3 a list of tables. Valid until
-  /// the next call.
+  /// The bytes of the state after `ticks_done` ticks: an image, or in version 3 a list of tables. Valid until the next
+  /// call.
   ByteView encode_state(const StateView& state, ChunkKind kind, std::uint64_t ticks_done) {
     if (version >= format_version_third) return encode_tables(canonical_tables(state, canonical), kind, ticks_done);
     encode_image(state, image);
@@ -231,7 +232,7 @@ struct TraceWriter::Impl {
     encode_table_list(is_whole ? ListBase::nothing : ListBase::before, tables, changed, image);
     held = 0;
     for (const ImageTable& table : tables) held += row_count_size + table.rows.size();
-    // Only the image of the next tick asks for it.
+    // Only the image of the next tick needs the last state.
     if (setup.is_full(ticks_done))
       last.keep(tables, changed, is_whole, ticks_done);
     else
@@ -299,7 +300,7 @@ struct TraceWriter::Impl {
     put_bound(RecordTag::note, body.view());
   }
 
-  /// The ids of these names in the open chunk; new ones get a record. Nothing if they do not fit.
+  /// The ids of these names in the open chunk. A new name gets a record. Nothing: the names do not fit.
   std::optional<std::vector<std::uint32_t>> put_names(const std::vector<const std::string*>& names) {
     std::size_t new_size = 0;
     std::size_t count = mark_names.size();
@@ -318,7 +319,7 @@ struct TraceWriter::Impl {
     return ids;
   }
 
-  /// False: the marks pass a limit, and nothing is written but names.
+  /// False: the marks exceed a limit, and at most names are written.
   bool put_marks(const TickMarks& marks) {
     if (marks.is_left_out()) return false;
     std::vector<const std::string*> names;
@@ -356,7 +357,7 @@ struct TraceWriter::Impl {
     if (has_image || chunk_ticks == chunk_tick_count || chunk_size + out.size() - bound_in_out >= chunk_close_size)
       close_chunk();
     if (const Status status = flush(); !status) {
-      --tick_count;  // it is not in the file
+      --tick_count;  // the tick is not in the file
       return status;
     }
     time_s += tick_dt;
@@ -506,7 +507,7 @@ Status TraceWriter::mark_list(const MarkList& list) {
   TICKTRUE_ASSERT(impl.in_tick && impl.setup.has(Feature::marks) && impl.setup.is_full(impl.tick_count));
   if (impl.failure) return *impl.failure;
   impl.open_chunk();
-  // Of the names of the list, those that it uses.
+  // The names that the list uses.
   std::vector<bool> is_used(list.names.size());
   for (const Mark& mark : list.marks) is_used[mark.name] = true;
   std::vector<const std::string*> used;
@@ -631,7 +632,7 @@ void TraceWriter::discard() {
 
 Error TraceWriter::abandon(Error error) {
   OutputFile& file = impl_->file;
-  if (impl_->file_is_closed || !file.check_in_place()) return error;  // it may be another program's by now
+  if (impl_->file_is_closed || !file.check_in_place()) return error;  // another program may own the file by now
   const auto add = [&](const std::string& text) { error.hint += (error.hint.empty() ? "" : "; ") + text; };
   if (impl_->tick_count == impl_->first_tick) {
     const bool had_old = !file.old_path().empty();

@@ -5,7 +5,6 @@
 #include "shim/arena.h"
 
 #include <pthread.h>
-#include <sched.h>
 #include <sys/mman.h>
 
 #include "shim/shim.h"
@@ -35,16 +34,6 @@ char* stripe_ends[stripe_count];
 char* first_stripe_begin = nullptr;  // for rising addresses
 FreeBlock* free_blocks[unit_count_max];
 int arena_lock = 0;
-
-class Locked {
- public:
-  Locked() {
-    while (__atomic_exchange_n(&arena_lock, 1, __ATOMIC_ACQUIRE) != 0) ::sched_yield();
-  }
-  Locked(const Locked&) = delete;
-  Locked& operator=(const Locked&) = delete;
-  ~Locked() { __atomic_store_n(&arena_lock, 0, __ATOMIC_RELEASE); }
-};
 
 void unlock_in_child() {
   __atomic_store_n(&arena_lock, 0, __ATOMIC_RELEASE);
@@ -92,7 +81,7 @@ void* arena_allocate(std::size_t alignment, std::size_t size, std::uint32_t orde
   const std::size_t boundary = 2 * step < unit ? unit : 2 * step;
   if (size > stripe_size / 4 || boundary > stripe_size / 4) return nullptr;
   const std::size_t whole = (step + size + boundary - 1) / boundary * boundary;
-  const Locked locked;
+  const Locked locked(arena_lock);
   if (!reserve()) return nullptr;
   static bool is_watched = false;
   if (!is_watched) {
@@ -131,7 +120,7 @@ void arena_free(void* block) {
   char* at = static_cast<char*>(block) - header.offset;
   if (header.whole / unit < unit_count_max) {
     if (header.offset != usual_step(settings().heap_alignment)) return;
-    const Locked locked;
+    const Locked locked(arena_lock);
     auto* freed = reinterpret_cast<FreeBlock*>(at);
     freed->next = free_blocks[header.whole / unit];
     free_blocks[header.whole / unit] = freed;

@@ -4,7 +4,6 @@
 
 #include <execinfo.h>
 #include <pthread.h>
-#include <sched.h>
 #include <string.h>
 #include <sys/mman.h>
 
@@ -24,16 +23,6 @@ KeptHeap heap{nullptr, nullptr, 0, 1};
 bool has_failed = false;
 KeptBlock* free_blocks[class_count];
 int heap_lock = 0;
-
-class Locked {
- public:
-  Locked() {
-    while (__atomic_exchange_n(&heap_lock, 1, __ATOMIC_ACQUIRE) != 0) ::sched_yield();
-  }
-  Locked(const Locked&) = delete;
-  Locked& operator=(const Locked&) = delete;
-  ~Locked() { __atomic_store_n(&heap_lock, 0, __ATOMIC_RELEASE); }
-};
 
 void unlock_in_child() {
   __atomic_store_n(&heap_lock, 0, __ATOMIC_RELEASE);
@@ -105,7 +94,7 @@ void* kept_allocate(std::size_t alignment, std::size_t size) {
   const std::size_t whole = (sizeof(KeptBlock) + gap + (size == 0 ? 1 : size) + unit - 1) / unit * unit;
   KeptBlock* block = nullptr;
   {
-    const Locked locked;
+    const Locked locked(heap_lock);
     if (!reserve()) return nullptr;
     block = take(whole);
     if (block == nullptr) return nullptr;
@@ -124,7 +113,7 @@ void* kept_allocate(std::size_t alignment, std::size_t size) {
 
 void kept_free(void* at) {
   KeptBlock* block = header_of(at);
-  const Locked locked;
+  const Locked locked(heap_lock);
   block->is_live = 0;
   if (heap.has_reuse == 0) return;
   if (block->whole / unit < class_count) {
@@ -144,7 +133,7 @@ using namespace ticktrue::shim;
 /// For the session of the program: reads the values of the heap. `wanted`: its top, number and `has_reuse` are set
 /// first.
 TICKTRUE_SHIM_API void ticktrue_shim_heap(KeptHeap* found, const KeptHeap* wanted) {
-  const Locked locked;
+  const Locked locked(heap_lock);
   if (wanted != nullptr) {
     if (wanted->top > heap.top) heap.top = wanted->top;
     if (wanted->number > heap.number) heap.number = wanted->number;

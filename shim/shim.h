@@ -5,6 +5,7 @@
 #pragma once
 
 #include <dlfcn.h>
+#include <sched.h>
 
 #include "shim/page.h"
 
@@ -45,6 +46,21 @@ class Inside {
 
 /// For the child of a fork, whose thread has another id.
 void forget_thread();
+
+/// Holds a lock during its lifetime. It calls no function of pthread, because this library replaces these.
+class Locked {
+ public:
+  /// `lock`: 0 if it is free.
+  explicit Locked(int& lock) : lock_(lock) {
+    while (__atomic_exchange_n(&lock_, 1, __ATOMIC_ACQUIRE) != 0) ::sched_yield();
+  }
+  Locked(const Locked&) = delete;
+  Locked& operator=(const Locked&) = delete;
+  ~Locked() { __atomic_store_n(&lock_, 0, __ATOMIC_RELEASE); }
+
+ private:
+  int& lock_;
+};
 
 /// A whole number that follows from the seed and `value`.
 std::uint64_t mixed(std::uint64_t value);

@@ -2,13 +2,11 @@
 // SPDX-License-Identifier: MIT
 //
 // Verified: banned names and headers, direction of includes, first lines, marks without an issue, files outside of any
-// build list, links between documents, length of sentences.
+// build list.
 // Not verified: rules that need a parser (aliases, macros that hide a banned name, side effects in call arguments).
 // clang-tidy and the golden traces cover those rules.
 #include <algorithm>
-#include <array>
 #include <filesystem>
-#include <fstream>
 #include <map>
 #include <set>
 #include <sstream>
@@ -18,298 +16,13 @@
 
 #include "tests/support/catch.h"
 #include "tests/support/source_tree.h"
+#include "tests/tidy_rules.h"
 
 namespace {
 
 using namespace ticktrue::source_tree;
+using namespace ticktrue::tidy;
 namespace fs = std::filesystem;
-
-// --- the rules ------------------------------------------------------------------------------------------------------
-
-struct Ban {
-  std::string_view where;  // comma-separated path prefixes; empty: everywhere
-  std::string_view name;
-  bool call;  // only counts as a function call
-  std::string_view use;
-};
-
-constexpr std::string_view own_functions = "engine/math/trig.h or engine/math/exponential.h";
-constexpr std::string_view own_sort = "std::sort over a total order";
-constexpr std::string_view total_order = "a total order, named in a comment above: // total order: by KEY, then ID";
-constexpr std::string_view id_order = "rows that ascend by id";
-constexpr std::string_view bits_in = "numbers that come in with the scene or the inputs";
-constexpr std::string_view time_in = "the dt of the tick's input";
-
-// libm functions whose last bits differ between platforms. Also banned: each name with the suffixes f and l, with
-// std::, and as __builtin_.
-constexpr std::array libm{"sin",   "cos",   "tan",   "asin", "acos", "atan",   "atan2",  "sinh",   "cosh",  "tanh",
-                          "asinh", "acosh", "atanh", "exp",  "exp2", "expm1",  "log",    "log2",   "log10", "log1p",
-                          "pow",   "cbrt",  "hypot", "erf",  "erfc", "tgamma", "lgamma", "sincos", "exp10"};
-
-constexpr Ban bans[] = {
-    {"engine/", "sqrt", true, "__builtin_sqrt (the library's is misrounded on some targets)"},
-    {"engine/", "sqrtf", true, "__builtin_sqrtf"},
-    {"engine/", "fma", true, "a product and a sum (std::fma is wrong on some targets)"},
-    {"engine/", "fmaf", true, "a product and a sum"},
-    {"engine/", "__builtin_fma", false, "a product and a sum"},
-    {"engine/", "__builtin_fmaf", false, "a product and a sum"},
-    {"engine/", "fmin", true, "a < b ? a : b (the order of -0 and 0 is not fixed)"},
-    {"engine/", "fmax", true, "a > b ? a : b"},
-    {"engine/", "fminf", true, "a < b ? a : b"},
-    {"engine/", "fmaxf", true, "a > b ? a : b"},
-    {"engine/", "fmod", true, "own reduction from + - * /"},
-    {"engine/", "remainder", true, "own reduction from + - * /"},
-    {"engine/", "rint", true, "a clamped conversion (the rounding mode is not ours)"},
-    {"engine/", "nearbyint", true, "a clamped conversion"},
-    {"engine/", "lrint", true, "a clamped conversion"},
-    {"engine/", "lround", true, "a clamped conversion"},
-    {"engine/", "std::sort", false, total_order},
-    {"engine/", "std::partial_sort", false, own_sort},
-    {"engine/", "std::nth_element", false, own_sort},
-    {"engine/", "std::make_heap", false, own_sort},
-    {"engine/", "std::priority_queue", false, own_sort},
-    {"engine/", "std::reduce", false, "a loop (its order is fixed)"},
-    {"engine/", "std::transform_reduce", false, "a loop (its order is fixed)"},
-    {"engine/", "std::execution", false, "a loop (its order is fixed)"},
-    {"engine/", "std::unordered_map", false, id_order},
-    {"engine/", "std::unordered_set", false, id_order},
-    {"engine/", "std::unordered_multimap", false, id_order},
-    {"engine/", "std::unordered_multiset", false, id_order},
-    {"engine/", "std::hash", false, "hash64 of base/hash.h"},
-    {"engine/", "uintptr_t", false, "an index or id (addresses differ from run to run)"},
-    {"engine/", "std::owner_less", false, id_order},
-    {"engine/", "rand", true, bits_in},
-    {"engine/", "srand", true, bits_in},
-    {"engine/", "drand48", true, bits_in},
-    {"engine/", "std::mt19937", false, bits_in},
-    {"engine/", "std::random_device", false, bits_in},
-    {"engine/", "time", true, time_in},
-    {"engine/", "clock", true, time_in},
-    {"engine/", "clock_gettime", true, time_in},
-    {"engine/", "gettimeofday", true, time_in},
-    {"engine/", "getenv", true, "the scene's settings"},
-    {"engine/", "long double", false, "Real or double (its size differs between targets)"},
-    {"engine/", "thread_local", false, "a workspace of the stage"},
-    {"engine/", "setlocale", true, "nothing: numbers are not parsed by locale"},
-    {"engine/", "fopen", true, "text or bytes handed in (the engine knows no files)"},
-    {"", "std::bit_cast", false, "__builtin_bit_cast (clang 14)"},
-    {"", "std::source_location", false, "TICKTRUE_ASSERT"},
-    {"", "std::ranges", false, "a loop, or the algorithm in std:: (clang 14)"},
-    {"", "std::views", false, "a loop (clang 14)"},
-    {"", "std::format", false, "fmt (g++ 12)"},
-    {"", "std::expected", false, "Result of base/result.h"},
-    {"", "std::experimental", false, "a plain loop over lanes (its masks are miscompiled for AVX-512)"},
-    {"base/,engine/,replay/,verifier/,tool/", "assert", true, "TICKTRUE_ASSERT"},
-    {"base/,engine/,replay/,verifier/,tool/", "std::endl", false, "a line break"},
-    {"base/,engine/,replay/,verifier/,tool/", "const_cast", false, "a type that says who may write"},
-};
-
-struct HeaderBan {
-  std::string_view where;       // comma-separated path prefixes; empty: everywhere
-  std::string_view header;      // as written between the brackets; a trailing '/' means the folder
-  std::string_view allowed_in;  // comma-separated path prefixes
-  std::string_view use;
-};
-
-constexpr HeaderBan header_bans[] = {
-    {"engine/", "random", "", bits_in},
-    {"engine/", "chrono", "", time_in},
-    {"engine/", "ctime", "", time_in},
-    {"engine/", "time.h", "", time_in},
-    {"engine/", "thread", "", "work handed in by the caller"},
-    {"engine/", "future", "", "work handed in by the caller"},
-    {"engine/", "mutex", "", "work handed in by the caller"},
-    {"engine/", "execution", "", "a loop"},
-    {"engine/", "unordered_map", "", id_order},
-    {"engine/", "unordered_set", "", id_order},
-    {"engine/", "cfenv", "", "the default rounding mode"},
-    {"engine/", "complex", "", "engine/math"},
-    {"engine/", "fstream", "", "text or bytes handed in (the engine knows no files)"},
-    {"engine/", "filesystem", "", "text or bytes handed in (the engine knows no files)"},
-    {"engine/", "iostream", "", "text or bytes handed in (the engine knows no files)"},
-    {"engine/", "locale", "", "nothing: numbers are not parsed by locale"},
-    {"", "cassert", "", "TICKTRUE_ASSERT of base/assert.h"},
-    {"", "bit", "", "base/bytes.h (clang 14 has no std::bit_cast)"},
-    {"", "ranges", "", "a loop (clang 14)"},
-    {"", "format", "", "fmt (g++ 12)"},
-    {"", "expected", "", "Result of base/result.h"},
-    {"", "source_location", "", "TICKTRUE_ASSERT"},
-    {"", "experimental/", "", "a plain loop over lanes"},
-    {"", "xxhash.h", "base/row_kernels.cpp", "base/hash.h"},
-    {"", "xxh3.h", "base/row_kernels.cpp", "base/hash.h"},
-    {"", "zstd.h", "replay/", "TraceReader and TraceWriter"},
-    {"", "box2d/", "tool/box2d/,tool/box2d3/box2d3_run.cpp,bench/,tests/causes/clean/,tests/unsaved/box2d_rollback",
-     "tool/box2d/box2d_peer.h (its bits are not portable)"},
-    {"", "catch2/", "tests/support/catch.h,tests/main.cpp", "tests/support/catch.h"},
-    {"", "CLI/", "tool/,bench/", "an options struct, filled by the subcommand"},
-    {"", "benchmark/", "bench/", "bench/"},
-    {"", "muParser.h", "tool/expression/expression.cpp", "tool/expression/expression.h"},
-    {"", "SDL2/", "tool/play/window/window.cpp,tool/play/window/sdl2_loader.cpp", "tool/play/window/host.h"},
-    {"", "elfutils/", "tool/debug_info/dwarf_types.cpp", "tool/debug_info/program_types.h"},
-};
-
-/// A room is a folder. Its files may include the room's own files and those of the listed rooms, but not those of
-/// folders below a listed room.
-struct Room {
-  std::string_view folder;
-  std::string_view may_include;  // comma-separated rooms; "core", "engine_face", ... stand for lists below
-};
-// The face and the model of the engine name the state rows and workspaces of the engine's rooms.
-constexpr std::string_view core =
-    "engine,engine/model,engine/broad_phase,engine/narrow_phase,engine/islands,engine/contacts,engine/joints,"
-    "engine/joints/batched,engine/impacts,engine/integrators,engine/solvers,engine/stages,"
-    "engine/scene,engine/simd,engine/math,base,base/state,base/parallel";
-constexpr std::string_view before_islands = "base,base/parallel,engine/math,engine/simd,engine/scene,engine/model";
-constexpr std::string_view all_but_tests = "*";
-constexpr Room rooms[] = {
-    {"base", ""},
-    {"base/compiler", ""},
-    {"base/state", "base"},
-    {"base/parallel", "base"},
-    {"engine/math", "base"},
-    {"engine/simd", "base,engine/math"},
-    {"engine/json", "base"},
-    {"engine/scene", "base,base/state,engine/json,engine/math"},
-    {"engine/builtin_scenes", "base,engine/json,engine/math,engine/scene"},
-    {"engine/random_worlds", "base,engine,engine/builtin_scenes,engine/math,engine/scene"},
-    {"engine/clock", "base,engine,engine/math,engine/scene"},
-    {"engine", core},
-    {"engine/model", core},
-    {"engine/broad_phase", before_islands},
-    {"engine/narrow_phase", before_islands},
-    {"engine/islands", "base,base/parallel,engine/math,engine/model,engine/contacts,engine/joints,engine/impacts"},
-    {"engine/contacts", "base,base/parallel,engine/math,engine/simd,engine/model,engine/islands,engine/integrators"},
-    {"engine/joints",
-     "base,base/parallel,base/state,engine/math,engine/scene,engine/model,engine/contacts,engine/joints/batched"},
-    {"engine/joints/batched",
-     "base,base/parallel,engine/math,engine/simd,engine/model,engine/integrators,engine/joints"},
-    {"engine/joints/direct",
-     "base,base/parallel,engine/math,engine/scene,engine/model,engine/islands,engine/integrators,engine/joints"},
-    {"engine/impacts",
-     "base,base/parallel,engine/math,engine/model,engine/narrow_phase,engine/contacts,engine/joints,"
-     "engine/integrators"},
-    {"engine/integrators", before_islands},
-    {"engine/solvers",
-     "base,base/parallel,engine/math,engine/model,engine/islands,engine/contacts,engine/joints,engine/joints/batched,"
-     "engine/joints/direct,engine/impacts,engine/integrators"},
-    {"engine/stages", "base,base/parallel,engine/math,engine/scene,engine/model,engine/narrow_phase"},
-    {"replay/format", "base,base/state"},
-    {"replay/file", "base"},
-    {"replay", "base,base/state,replay/format,replay/file,replay/box"},
-    {"replay/box", "base,base/compiler,base/state,replay,replay/format,replay/file"},
-    {"include", ""},
-    {"include/ticktrue", ""},
-    {"verifier/report", "base,base/compiler,base/state,replay/format"},
-    {"verifier/locate", "base,base/state,replay/format,verifier/report"},
-    {"verifier/peers", "base,base/state,replay,replay/format,verifier/report"},
-    {"verifier/verify",
-     "base,base/state,base/parallel,replay,replay/format,verifier/report,verifier/locate,verifier/peers"},
-    {"verifier/runs", "base,replay/file,verifier/report"},
-    {"verifier/compare",
-     "base,base/state,replay,replay/format,verifier/report,verifier/locate,verifier/peers,verifier/verify,"
-     "verifier/runs"},
-    {"verifier/inject", "base,base/state,base/parallel,replay,verifier/report,verifier/verify"},
-    {"verifier/corpus", "base,replay"},
-    {"verifier/store", "base,replay/file,verifier/report"},
-    {"verifier/plugins", "base,base/state,include,verifier/runs"},
-    {"verifier/programs", "base,base/state,replay,replay/format,shim,verifier/report,verifier/runs,verifier/verify"},
-    {"shim", ""},
-    {"capi/peers",
-     "base,base/state,replay,replay/format,replay/file,replay/box,verifier/report,verifier/locate,verifier/peers"},
-    {"capi/marks", "base,base/compiler,replay/format,shim"},
-    {"capi/unsaved", "base,base/compiler,base/state,shim,capi/marks"},
-    {"capi",
-     "base,base/compiler,base/state,replay,replay/format,replay/file,replay/box,include,shim,verifier/report,verifier/"
-     "locate,verifier/peers,verifier/"
-     "verify,capi/marks,"
-     "capi/peers,capi/unsaved"},
-    {"tool", "tool/cli"},
-    {"tool/output", "below"},
-    {"tool/environment", "below"},
-    {"tool/import", "below"},
-    {"tool/drawing", "below"},
-    {"tool/debug_info", "below"},
-    {"tool/box2d", "below"},
-    {"tool/box2d3", "below,tool/box2d"},
-    {"tool/session", "below,tool/output"},
-    {"tool/campaign", "below"},
-    {"tool/corpus", "below,tool/session"},
-    {"tool/report_page", "below,tool/drawing,tool/output,tool/session"},
-    {"tool/crosscheck", "below,tool/box2d,tool/box2d3"},
-    {"tool/study", "below,tool/box2d,tool/box2d3,tool/crosscheck,tool/drawing,tool/session"},
-    {"tool/study/stress", "below,tool/study"},
-    {"tool/study/problem_file", "below,tool/expression,tool/output,tool/session,tool/study,tool/study/stress"},
-    {"tool/experiment", "below"},
-    {"tool/expression", "below,tool/study"},
-    {"tool/experiment/reduce",
-     "below,tool/crosscheck,tool/experiment,tool/experiment/oracle,tool/expression,tool/output,tool/session,"
-     "tool/study"},
-    {"tool/experiment/bisect", "below,tool/experiment/reduce,tool/output"},
-    {"tool/experiment/shake", "below,shim,tool/experiment,tool/output"},
-    {"tool/experiment/trail", "below,tool/experiment/shake,tool/output"},
-    {"tool/experiment/unsaved", "below,tool/experiment/shake,tool/output"},
-    {"tool/experiment/oracle", "below,tool/experiment,tool/session,tool/study"},
-    {"tool/experiment/soak", "below,tool/experiment,tool/experiment/oracle,tool/session"},
-    {"tool/play/picture", "below,tool/drawing,tool/output"},
-    {"tool/play/window", "below,tool/play/picture"},
-    {"tool/play", "below,tool/drawing,tool/output,tool/play/picture,tool/play/window,tool/session"},
-    {"tool/cli", "below,tool/output,tool/session"},
-    {"tool/cli/session",
-     "below,tool/cli,tool/output,tool/session,tool/campaign,tool/corpus,tool/drawing,tool/experiment/reduce,"
-     "tool/experiment/shake,tool/experiment/trail,tool/experiment/unsaved,tool/expression,tool/import,tool/play,"
-     "tool/report_page"},
-    {"tool/cli/study",
-     "below,tool/cli,tool/output,tool/session,tool/crosscheck,tool/study,"
-     "tool/study/problem_file,tool/study/stress"},
-    {"tool/cli/upkeep",
-     "below,tool/cli,tool/output,tool/session,tool/corpus,tool/debug_info,tool/environment,"
-     "tool/experiment/bisect,"
-     "tool/experiment/soak,tool/report_page"},
-    {"bench", all_but_tests},
-};
-
-/// Whether `path` starts with one of the comma-separated prefixes.
-bool is_under(std::string_view path, std::string_view prefixes) {
-  while (!prefixes.empty()) {
-    const std::size_t comma = std::min(prefixes.find(','), prefixes.size());
-    if (starts_with(path, prefixes.substr(0, comma))) return true;
-    prefixes.remove_prefix(std::min(comma + 1, prefixes.size()));
-  }
-  return false;
-}
-
-bool is_one_of(std::string_view name, std::string_view names) {
-  while (!names.empty()) {
-    const std::size_t comma = std::min(names.find(','), names.size());
-    if (names.substr(0, comma) == name) return true;
-    names.remove_prefix(std::min(comma + 1, names.size()));
-  }
-  return false;
-}
-
-std::string_view folder_of(std::string_view path) {
-  return path.substr(0, std::min(path.rfind('/'), path.size()));
-}
-
-/// Rooms that every room of the tool may include: all except the tool, the tests and the internal rooms of the engine.
-bool is_below_tool(std::string_view room) {
-  return is_one_of(
-      room,
-      "base,base/state,base/parallel,replay,replay/format,replay/file,replay/box,include,engine,engine/"
-      "math,engine/simd,"
-      "engine/json,engine/scene,engine/builtin_scenes,engine/random_worlds,engine/clock,verifier/report,"
-      "verifier/locate,verifier/peers,verifier/verify,verifier/runs,verifier/compare,verifier/inject,verifier/corpus,"
-      "verifier/store,verifier/plugins,verifier/programs");
-}
-
-bool may_include(std::string_view from, std::string_view to) {
-  for (const Room& room : rooms) {
-    if (room.folder != from) continue;
-    if (room.may_include == all_but_tests) return !starts_with(to, "tests");
-    return is_one_of(to, room.may_include) || (is_one_of("below", room.may_include) && is_below_tool(to));
-  }
-  return false;
-}
 
 // --- checking one file ----------------------------------------------------------------------------------------------
 
@@ -380,7 +93,7 @@ void check_include(const SourceFile& file, std::string_view line, std::size_t nu
   if (starts_with(from, "tests") || from == to) return;
   if (!may_include(from, to))
     report(findings, file, number, std::string(from) + "/ that includes " + std::string(to) + "/",
-           "what it may see (rooms in tests/tidy_test.cpp)");
+           "what it may see (rooms in tests/tidy_rules.h)");
 }
 
 void check_marks(const SourceFile& file, std::string_view line, std::size_t number, Findings& findings) {
@@ -399,16 +112,6 @@ void check_marks(const SourceFile& file, std::string_view line, std::size_t numb
     if (!has_issue) report(findings, file, number, std::string(mark) + " without an issue", "an issue, as #12");
   }
 }
-
-// The sources of libticktrue, and the files that may use words of a single compiler. These files are the header for all
-// compilers, and the units that choose the instructions of kernels.
-constexpr std::string_view library_sources =
-    "base/,replay/,capi/,verifier/report/,verifier/locate/,verifier/peers/,verifier/verify/";
-constexpr std::string_view compiler_words_in =
-    "base/compiler/compiler.h,base/bytes.h,base/hash.cpp,base/row_kernels.cpp,base/parallel/workers.cpp";
-constexpr std::array<std::string_view, 9> compiler_words{"__builtin_", "__attribute__", "__asm",
-                                                         "__declspec", "__atomic_",     "__sync_",
-                                                         "__int128",   "_Interlocked",  "_ReturnAddress"};
 
 void check_compiler_words(const SourceFile& file, std::string_view line, std::size_t number, Findings& findings) {
   if (!is_under(file.path, library_sources) || is_under(file.path, compiler_words_in)) return;
@@ -468,133 +171,6 @@ TEST_CASE("every source file is built and every header is included", "[tidy]") {
   }
 }
 
-/// Targets of [text](target) in a Markdown text. Code blocks are skipped.
-std::vector<std::string> links_of(std::string_view markdown) {
-  std::vector<std::string> links;
-  bool in_block = false;
-  for (const std::string& line : lines_of(markdown)) {
-    if (starts_with(line, "```")) in_block = !in_block;
-    if (in_block) continue;
-    for (std::size_t at = line.find("]("); at != std::string::npos; at = line.find("](", at + 1)) {
-      const std::size_t end = line.find(')', at);
-      if (end != std::string::npos) links.push_back(line.substr(at + 2, end - at - 2));
-    }
-  }
-  return links;
-}
-
-TEST_CASE("every link between documents leads to a file", "[tidy][docs]") {
-  const fs::path root = TICKTRUE_SOURCE_DIR;
-  std::vector<SourceFile> documents = files_below(root, "docs", {".md"});
-  for (const char* name : {"README.md", "ARCHITECTURE.md", "CONTRIBUTING.md", "CHANGELOG.md"})
-    if (fs::exists(root / name)) documents.push_back({name, read_text(root / name)});
-  REQUIRE(documents.size() >= 5);
-  for (const SourceFile& document : documents)
-    for (const std::string& link : links_of(document.text)) {
-      if (contains(link, "://") || starts_with(link, "#") || starts_with(link, "mailto:")) continue;
-      const std::string target = link.substr(0, link.find('#'));
-      if (!fs::exists((root / document.path).parent_path() / target))
-        FAIL_CHECK(document.path << ": error: the link " << link << " leads to no file");
-    }
-}
-
-/// Paths in backticks that look like files of this tree, because their folder exists.
-std::vector<std::string> paths_of(std::string_view markdown) {
-  std::vector<std::string> paths;
-  for (std::size_t open = markdown.find('`'); open != std::string_view::npos;) {
-    const std::size_t close = markdown.find('`', open + 1);
-    if (close == std::string_view::npos) break;
-    const std::string_view name = markdown.substr(open + 1, close - open - 1);
-    const bool is_path =
-        contains(name, "/") && name.find_first_of(" <>*{}()=?:\n") == std::string_view::npos &&
-        is_one_of(
-            top_of(name),
-            "include,base,engine,replay,verifier,tool,capi,shim,examples,tests,bench,traces,scenes,docs,cmake,.ci");
-    if (is_path) paths.emplace_back(name);
-    open = markdown.find('`', close + 1);
-  }
-  return paths;
-}
-
-TEST_CASE("every file that a document of the whole tree names is there", "[tidy][docs]") {
-  const fs::path root = TICKTRUE_SOURCE_DIR;
-  for (const char* document : {"ARCHITECTURE.md", "CONTRIBUTING.md", "docs/determinism.md"}) {
-    const std::vector<std::string> paths = paths_of(read_text(root / document));
-    CAPTURE(document);
-    CHECK(paths.size() >= 5);
-    for (const std::string& path : paths)
-      if (!fs::exists(root / path)) FAIL_CHECK(document << ": error: names " << path << ", which is not there");
-  }
-}
-
-/// The words of a Markdown line. A code span counts as one word, the target of a link as none.
-std::string words_of(std::string_view line) {
-  std::string text;
-  std::size_t at = 0;
-  while (at < line.size()) {
-    std::size_t end = at;
-    if (line[at] == '`') {
-      text += "code";
-      end = line.find('`', at + 1);
-    } else if (starts_with(line.substr(at), "](")) {
-      end = line.find(')', at);
-    } else {
-      text += line[at];
-    }
-    if (end == std::string_view::npos) break;
-    at = end + 1;
-  }
-  return text;
-}
-
-constexpr int words_max = 25;
-
-/// Sentences of more than words_max words, outside of code blocks. A list item and a table cell end a sentence.
-std::vector<std::string> long_sentences_of(std::string_view markdown) {
-  std::vector<std::string> found;
-  std::string sentence;
-  int count = 0;
-  const auto end_sentence = [&] {
-    if (count > words_max) found.push_back(sentence);
-    sentence.clear();
-    count = 0;
-  };
-  bool in_block = false;
-  for (const std::string& line : lines_of(markdown)) {
-    const std::string_view mark = std::string_view(line).substr(std::min(line.find_first_not_of(' '), line.size()));
-    const bool is_fence = starts_with(mark, "```");
-    const bool is_row = starts_with(mark, "|");
-    if (is_fence) in_block = !in_block;
-    if (mark.empty() || is_fence || is_row || starts_with(mark, "- ") || starts_with(mark, "#")) end_sentence();
-    if (is_fence || in_block) continue;
-    std::istringstream words(words_of(mark));
-    for (std::string word; words >> word;) {
-      if (is_row && word == "|") end_sentence();
-      if (std::none_of(word.begin(), word.end(), is_word)) continue;
-      sentence += (sentence.empty() ? "" : " ") + word;
-      ++count;
-      const std::size_t last = word.find_last_not_of("\"*)");
-      if (last != std::string::npos && std::string_view(".;?!").find(word[last]) != std::string_view::npos)
-        end_sentence();
-    }
-  }
-  end_sentence();
-  return found;
-}
-
-TEST_CASE("documents that are kept plain have sentences of at most 25 words", "[tidy][docs]") {
-  const fs::path root = TICKTRUE_SOURCE_DIR;
-  std::vector<SourceFile> documents = files_below(root, "docs/measurements", {".md"});
-  for (const char* name : {"README.md", "ARCHITECTURE.md", "CONTRIBUTING.md", "docs/determinism.md", "docs/glossary.md",
-                           "docs/decisions/README.md"})
-    documents.push_back({name, read_text(root / name)});
-  for (const SourceFile& document : documents) {
-    CHECK_FALSE(document.text.empty());
-    for (const std::string& sentence : long_sentences_of(document.text))
-      FAIL_CHECK(document.path << ": error: more than " << words_max << " words, make two sentences: " << sentence);
-  }
-}
-
 TEST_CASE("every file that mutants are drawn from is there", "[tidy]") {
   const fs::path root = TICKTRUE_SOURCE_DIR;
   std::istringstream words(read_text(root / "tests/mutants/mutants.py"));
@@ -606,37 +182,6 @@ TEST_CASE("every file that mutants are drawn from is there", "[tidy]") {
     ++count;
   }
   CHECK(count > 20);
-}
-
-TEST_CASE("README.md leads to every document, and the glossary has at most 15 words", "[tidy][docs]") {
-  const fs::path root = TICKTRUE_SOURCE_DIR;
-  const std::vector<std::string> links = links_of(read_text(root / "README.md"));
-  for (const SourceFile& document : files_below(root, "docs", {".md"})) {
-    const std::string folder = fs::path(document.path).parent_path().generic_string();
-    if (folder != "docs" && fs::path(document.path).filename() != "README.md") continue;
-    CAPTURE(document.path);
-    CHECK(std::count(links.begin(), links.end(), document.path) >= 1);
-  }
-  int count = 0;
-  for (const std::string& line : lines_of(read_text(root / "docs/glossary.md"))) count += starts_with(line, "| **");
-  CHECK(count > 0);
-  CHECK(count <= 15);
-}
-
-TEST_CASE("every step of the ways in ARCHITECTURE.md is there", "[tidy][docs]") {
-  const fs::path root = TICKTRUE_SOURCE_DIR;
-  int count = 0;
-  for (const std::string& line : lines_of(read_text(root / "ARCHITECTURE.md"))) {
-    const std::size_t middle = line.find("`: `");
-    if (!starts_with(line, "- `") || middle == std::string::npos || line.back() != '`') continue;
-    const std::string path = line.substr(3, middle - 3), name = line.substr(middle + 4, line.size() - middle - 5);
-    CAPTURE(path, name);
-    bool found = false;
-    for (const std::string& code : lines_of(code_of(read_text(root / path)))) found = found || uses(code, name, false);
-    CHECK(found);
-    ++count;
-  }
-  CHECK(count >= 15);
 }
 
 // --- the rules fire -------------------------------------------------------------------------------------------------
@@ -813,25 +358,6 @@ TEST_CASE("comments and literals are no code, digit separators are no literals",
   CHECK(code_of("'\"' + rand()") == "' ' + rand()");
   CHECK(code_of("1'000 + rand() + 2'000") == "1'000 + rand() + 2'000");
   CHECK(code_of("R\"(rand() \")\" + x") == "R             + x");
-}
-
-TEST_CASE("links are found outside code blocks", "[tidy][self]") {
-  CHECK(links_of("see [a](b.md) and [c](d.md#e)\n```\n[x](y)\n```\n") == std::vector<std::string>{"b.md", "d.md#e"});
-}
-
-TEST_CASE("a sentence of 26 words fires, one of 25 does not", "[tidy][self]") {
-  std::string words;
-  for (int i = 1; i < words_max; ++i) words += "word ";
-  CHECK(long_sentences_of(words + "end.").empty());
-  CHECK(long_sentences_of(words + "`one code span`.").empty());
-  CHECK(long_sentences_of(words + "[end](a/b c.md).").empty());
-  CHECK(long_sentences_of(words + "end.\n" + words + "end.").empty());
-  CHECK(long_sentences_of("- " + words + "\n- " + words).empty());
-  CHECK(long_sentences_of("| " + words + " | " + words + " |").empty());
-  CHECK(long_sentences_of("```\n" + words + words + "\n```\n").empty());
-  CHECK(long_sentences_of(words + "\nnext end.").size() == 1);
-  CHECK(long_sentences_of("| short | " + words + "next end. |").size() == 1);
-  CHECK(long_sentences_of("(" + words + "next end.) Short.").size() == 1);
 }
 
 }  // namespace

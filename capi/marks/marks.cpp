@@ -1,4 +1,4 @@
-// Lists of marks, and marks that have no name.
+// Lists of marks, and marks without a name.
 // SPDX-License-Identifier: MIT
 #include "capi/marks/marks.h"
 
@@ -15,7 +15,7 @@ namespace {
 
 #ifdef __linux__
 
-/// Whether the address lies in what a module has mapped and nobody may write, as literals do.
+/// Whether the address is in a read-only mapping of a module, as string literals are.
 bool is_constant(const char* name) {
   const auto address = reinterpret_cast<std::uintptr_t>(name);
   return ::dl_iterate_phdr(
@@ -49,7 +49,7 @@ void SessionMarks::add(const char* name, std::uint64_t value, const void* caller
   const std::uint32_t entry = tally_.find(name);
   if (entry == replay::MarkTally::name_count_max) return tally_.leave_out();
   tally_.add(entry, value);
-  // One more than there is room for: so the list is known to be cut.
+  // One more than the limit, so that the list is recognised as truncated.
   if (detail_ == MarkDetail::counts || list_.size() > replay::listed_mark_count_max) return;
   list_.push_back({entry, value});
   if (detail_ == MarkDetail::stacks) stacks_.add(caller);

@@ -1,4 +1,5 @@
-// The marks of the tick that runs: counted always, listed where the tick is stored in full or `ticktrue trail` asks.
+// The marks of the running tick. They are always counted. They are listed if the tick is stored in full, or for
+// `ticktrue trail`.
 // SPDX-License-Identifier: MIT
 #pragma once
 
@@ -13,18 +14,18 @@
 
 namespace ticktrue::capi {
 
-/// Marks and notes of one tick: stored in the trace outside of its chain.
+/// Marks and notes of one tick: stored in the trace outside its chain.
 struct BoundContents {
   std::optional<replay::TickMarks> marks;     // nothing: no mark
-  std::optional<replay::MarkList> mark_list;  // nothing: not wanted, or no mark
-  replay::MarkStacks stacks;                  // of the list, where they are wanted
+  std::optional<replay::MarkList> mark_list;  // nothing: not requested, or no mark
+  replay::MarkStacks stacks;                  // of the list, if they are requested
   std::vector<replay::Note> notes;
 };
 
-/// Where the marks of one tick were made. Equal call stacks are stored once.
+/// Collects the call stacks of the marks in one tick. Equal call stacks are stored once.
 class StackCollector {
  public:
-  /// The stack of the call that returns to `caller`. Elsewhere than with glibc: nothing.
+  /// Adds the stack of the call that returns to `caller`. Without glibc it adds nothing.
   void add(const void* caller);
   replay::MarkStacks take();
 
@@ -33,26 +34,25 @@ class StackCollector {
   std::vector<std::uint32_t> of_marks_;
 };
 
-/// counts: counts and hashes alone. list: the marks in order as well. stacks: the list with the call stack of each
-/// mark.
+/// counts: only counts and hashes. list: also the marks in order. stacks: also the call stack of each mark.
 enum class MarkDetail : std::uint8_t { counts, list, stacks };
 
 class SessionMarks {
  public:
   SessionMarks();
 
-  /// Off: marks are dropped.
+  /// False: marks are dropped.
   bool is_on() const { return is_on_; }
   void turn_on() { is_on_ = true; }
 
   void begin_tick(MarkDetail detail) { detail_ = detail; }
-  /// Counts a mark, if that takes no more than an addition. False: add() does it.
+  /// Counts a mark if this takes only an addition. False: the caller must call add().
   bool add_again(const char* name, std::uint64_t value) {
     return detail_ == MarkDetail::counts && tally_.add_again(name, value);
   }
-  /// Requires: is_on(), a tick runs. `caller`: where the call returns to.
+  /// Requires: is_on(), a running tick. `caller`: the return address of the call.
   void add(const char* name, std::uint64_t value, const void* caller);
-  /// The marks made since begin_tick().
+  /// Returns the marks since begin_tick().
   BoundContents take();
 
  private:

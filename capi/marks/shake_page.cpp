@@ -1,4 +1,4 @@
-// The page of shim/page.h, mapped once, and the file of TICKTRUE_RESULT. Elsewhere than on Linux there is no page.
+// The page of shim/page.h, mapped once, and the file of TICKTRUE_RESULT. Only Linux has the page.
 // SPDX-License-Identifier: MIT
 #include "capi/marks/shake_page.h"
 
@@ -19,9 +19,9 @@
 
 #include "shim/page.h"
 
-/// Of the preload library, where it is loaded. 0: the library is entered, 1: it is left, 2: it is left into a tick.
+/// In the preload library, if it is loaded. 0: the library is entered, 1: it is left, 2: it is left into a tick.
 extern "C" TICKTRUE_WEAK void ticktrue_shim_library(int way);
-/// The same: calls of these groups go to the sink.
+/// In the preload library, if it is loaded: passes calls of these groups to the sink.
 extern "C" TICKTRUE_WEAK void ticktrue_shim_calls(ticktrue::shim::CallSink sink, void* with, std::uint32_t groups);
 #endif
 
@@ -34,7 +34,7 @@ constexpr int way_in = 0;
 constexpr int way_out = 1;
 constexpr int way_into_tick = 2;
 bool leaves_into_tick = false;
-void* followed_by = nullptr;  // the session that takes calls
+void* followed_by = nullptr;  // the session that receives calls
 thread_local const void* outermost = nullptr;
 
 shim::SessionPart* map_page() {
@@ -109,7 +109,7 @@ void append_mapped() {
   ::dl_iterate_phdr(
       [](dl_phdr_info* info, std::size_t, void* lines) {
         const std::string name = info->dlpi_name == nullptr ? "" : info->dlpi_name;
-        // The program itself has no name, and what the kernel maps has no file.
+        // The program itself has no name. Mappings of the kernel have no file.
         if (name.find('/') != std::string::npos) *static_cast<std::string*>(lines) += name + "\n";
         return 0;
       },
@@ -191,7 +191,7 @@ void append_mapped() {}
 void append_result(const std::string& json) {
   const char* path = std::getenv("TICKTRUE_RESULT");
   if (path == nullptr || *path == '\0' || json.empty()) return;
-  std::string line;  // line breaks of JSON stand between its parts only
+  std::string line;  // JSON has line breaks only between its parts
   for (std::size_t i = 0; i < json.size(); ++i) {
     if (json[i] == '\n')
       while (i + 1 < json.size() && json[i + 1] == ' ') ++i;

@@ -1,4 +1,4 @@
-// Tells `ticktrue shake` the tick of a session, and which thread is inside the library. Takes calls of the program.
+// Passes the tick of a session, and the thread inside the library, to `ticktrue shake`. Receives calls of the program.
 // SPDX-License-Identifier: MIT
 #pragma once
 
@@ -7,7 +7,7 @@
 
 namespace ticktrue::capi {
 
-/// While it lives, calls that this thread makes are of the library, not of the program. May be nested.
+/// During its lifetime, calls of this thread count as calls of the library, not of the program. May be nested.
 class InLibrary {
  public:
   InLibrary();
@@ -19,7 +19,7 @@ class InLibrary {
   bool is_outermost_ = false;
 };
 
-/// While it lives, calls that this thread makes are of the program again: of its callbacks.
+/// During its lifetime, calls of this thread count as calls of the program: it runs a callback.
 class OutOfLibrary {
  public:
   OutOfLibrary();
@@ -31,30 +31,31 @@ class OutOfLibrary {
   const void* frame_ = nullptr;
 };
 
-/// Where on the stack the library was entered: what is above belongs to the program. Null: there is no page.
+/// The stack address at which the library was entered: the stack above it belongs to the program. Null: no page.
 const void* library_frame();
-/// Behind a fork, and behind the end of the child: this thread is inside of the library.
+/// To be called after a fork, and after the end of the child: this thread is inside the library.
 void enter_library_again();
 
 /// A session of this process begins.
 void tell_session();
-/// Tick `tick` runs from now on, or has ended.
+/// Tick `tick` begins or ends.
 void tell_tick_begin(std::uint64_t tick);
 void tell_tick_end(std::uint64_t tick);
 
-/// The preload library calls it for each call of the C library that it marks.
+/// The preload library calls this function for each marked call of the C library.
 using CallSink = void (*)(void* with, const char* name, std::uint64_t value, const void* caller);
-/// Has calls marked as TICKTRUE_CALLS asks ("random,libm"); one session of a process at a time. Says what hinders it;
-/// empty: nothing, or nobody asks. `is_marking`: whether calls will come.
+/// Requests marks for the calls in TICKTRUE_CALLS ("random,libm"). Only one session of a process at a time receives
+/// them. Returns why this is impossible; empty: it is possible, or the variable is not set. `is_marking`: whether calls
+/// will arrive.
 std::string follow_calls(CallSink sink, void* with, bool& is_marking);
-/// No more calls of this session. Without it: nothing.
+/// Ends the calls to this session. Does nothing if this session receives none.
 void leave_calls(void* with);
 
-/// Appends the report as one line to the file that the variable TICKTRUE_RESULT names. Without it: nothing.
+/// Appends the report as one line to the file in the variable TICKTRUE_RESULT, if it is set.
 void append_result(const std::string& json);
 
-/// Appends the paths of the program and of its shared libraries to the file that the variable TICKTRUE_MAPPED names, a
-/// line for each. Without it, and elsewhere than on Linux: nothing.
+/// Appends the paths of the program and of its shared libraries, one per line, to the file in the variable
+/// TICKTRUE_MAPPED, if it is set. Linux only.
 void append_mapped();
 
 }  // namespace ticktrue::capi

@@ -1,5 +1,5 @@
-// Each tick is appended with one call, so that a program which dies leaves the ticks before. Call stacks are stored as
-// modules and offsets: addresses differ in every run.
+// Writes the log. Each tick is appended with one call: a program that dies leaves the earlier ticks. Call stacks are
+// stored as modules and offsets, because addresses differ in every run.
 // SPDX-License-Identifier: MIT
 #include "capi/marks/trail_log.h"
 
@@ -24,7 +24,7 @@ constexpr int depth_max = replay::listed_stack_depth_max;
 std::vector<const void*> stack_behind(const void* caller) {
   void* frames[depth_max];
   void** const end = frames + ::backtrace(frames, depth_max);
-  // Frames before the caller belong to this library and to the preload library.
+  // Earlier frames belong to this library and to the preload library.
   void** const first = std::find(frames, end, caller);
   return std::vector<const void*>(first == end ? frames : first, end);
 }
@@ -58,7 +58,7 @@ replay::LogFrame frame_of(const void*, std::vector<replay::LogModule>&) {
 
 #endif
 
-/// A number that a variable gives; nothing: none.
+/// The number in a variable; nothing: no number.
 std::optional<std::uint64_t> number_in(const char* variable) {
   const char* text = std::getenv(variable);
   if (text == nullptr || *text < '0' || *text > '9') return std::nullopt;

@@ -13,7 +13,7 @@ namespace ticktrue::capi {
 
 class TrailLog {
  public:
-  /// Null unless TICKTRUE_TRAIL names a file, which the first session of the process takes.
+  /// Null unless TICKTRUE_TRAIL names a file. Only the first session of the process gets the log.
   static std::unique_ptr<TrailLog> from_environment();
 
   /// Whether the marks of this tick are listed with their stacks.

@@ -1,4 +1,4 @@
-// A bundle begins where a program can begin: at a save before the tick that differs, or at tick 0.
+// Writes a bundle. It begins where a program can begin: at a save before the differing tick, or at tick 0.
 // SPDX-License-Identifier: MIT
 #include "capi/peers/bundle.h"
 
@@ -23,14 +23,14 @@ namespace {
 constexpr std::uint32_t bundle_features =
     static_cast<std::uint32_t>(replay::Feature::tail) | static_cast<std::uint32_t>(replay::Feature::peers);
 
-/// The parts of a bundle besides its ticks. They do not depend on where the ticks come from.
+/// The parts of a bundle except its ticks. They do not depend on the source of the ticks.
 struct BundleParts {
   const DesyncFinding& finding;
-  const KeptState* own = nullptr;  // behind the tick that differs; null: not known
+  const KeptState* own = nullptr;  // state after the differing tick; null: unknown
   std::uint64_t own_root = 0;
   std::vector<replay::PeerRecord> records;
 
-  /// The bundle begins at this tick or before it: the last tick that all agree on is then in it.
+  /// The bundle must begin at or before this tick, so that it contains the last tick that all players agree on.
   std::uint64_t begin_max() const { return finding.agreed.value_or(finding.tick); }
 };
 
@@ -54,7 +54,7 @@ class TraceTicks {
  public:
   explicit TraceTicks(replay::TraceReader reader) : reader_(std::move(reader)) {}
 
-  /// Finds where to begin. False: the trace holds no such place.
+  /// Finds the checkpoint at which to begin. False: the trace has none.
   bool find_begin(const BundleParts& parts) {
     const bool wants_save = reader_.setup().has(replay::Feature::saves);
     std::optional<std::uint64_t> first, saved;
@@ -103,7 +103,7 @@ class TraceTicks {
   std::uint64_t begin_ = 0;
 };
 
-/// The recording as a trace; `bytes` holds that of a box.
+/// Opens the recording as a trace. `bytes`: storage for the recording of a box.
 Result<TraceTicks> open_recording(const BundleSource& source, Bytes& bytes) {
   if (!source.is_box) {
     Result<replay::TraceReader> reader = replay::TraceReader::open(source.recording);
@@ -140,7 +140,7 @@ Status write_kept(const KeptTicks& kept, const BundleParts& parts, replay::Trace
   return finish(writer, parts);
 }
 
-/// Whether the ticks in memory begin with a state before the tick that differs.
+/// Whether the ticks in memory begin with a state before the differing tick.
 bool reaches_back(const KeptTicks& kept, const BundleParts& parts) {
   if (kept.ticks().empty() || kept.ticks().back().tick < parts.finding.tick) return false;
   return kept.initial() != nullptr || kept.ticks().front().tick < parts.finding.tick;

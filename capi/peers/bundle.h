@@ -1,4 +1,4 @@
-// Writes a bundle: this player's ticks since all agreed, and what is known of the others, in one trace.
+// Writes a bundle: one trace with this player's ticks since all players agreed, and what is known about the others.
 // SPDX-License-Identifier: MIT
 #pragma once
 
@@ -11,26 +11,26 @@
 
 namespace ticktrue::capi {
 
-/// Where the ticks of a bundle come from: the file that the session records, else the ticks in memory.
+/// The source of the ticks in a bundle: the file that the session records, else the ticks in memory.
 struct BundleSource {
-  std::string recording;  // empty: there is none
+  std::string recording;  // empty: no recording
   bool is_box = false;
-  replay::TraceSetup game;  // of the ticks in memory
+  replay::TraceSetup game;  // for the ticks in memory
   replay::BuildFacts facts;
 };
 
 struct WrittenBundle {
   std::uint64_t first_tick = 0;
-  std::uint64_t end = 0;         // behind the last tick
-  bool has_save = false;         // at its begin
-  bool is_of_recording = false;  // else of the ticks in memory
-  std::string missing;           // why it is of less than it could be; may be empty
+  std::uint64_t end = 0;         // one after the last tick
+  bool has_save = false;         // at its first tick
+  bool is_of_recording = false;  // false: from the ticks in memory
+  std::string missing;           // why the bundle contains less than it could; may be empty
 };
 
-/// Requires: peers.has_desync() and a game. Errors: io, limit, usage (no tick at hand).
+/// Requires: peers.has_desync() and a game. Errors: io, limit, usage (no tick is available).
 Result<WrittenBundle> write_bundle(const std::string& path, bool overwrite, const BundleSource& source, Peers& peers,
                                    const RowNamer& row_name);
-/// A line for the report of the session.
+/// The line in the report of the session.
 std::string bundle_text(const std::string& path, const WrittenBundle& written);
 
 }  // namespace ticktrue::capi

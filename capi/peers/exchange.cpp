@@ -1,4 +1,4 @@
-// Sends each document from the first byte that the other lacks, and puts what comes together.
+// Sends each document from the first byte that the other player lacks, and assembles received parts.
 // SPDX-License-Identifier: MIT
 #include "capi/peers/exchange.h"
 
@@ -62,7 +62,7 @@ Status Exchange::take(const Message& message) {
   if (message.document == Document::none) return {};
   Side& from = side(message.document);
   owes_answer_ = true;
-  if (from.received.is_whole || message.offset > from.received.size) return {};  // known, or a part before it is lost
+  if (from.received.is_whole || message.offset > from.received.size) return {};  // known, or an earlier part was lost
   from.in_size = message.document_size;
   const std::size_t known = from.received.size - message.offset;
   if (known >= message.part.size()) return {};

@@ -1,4 +1,4 @@
-// The documents that go to and come from one other player, part by part, about one tick.
+// The documents that two players exchange about one tick, part by part.
 // SPDX-License-Identifier: MIT
 #pragma once
 
@@ -14,19 +14,19 @@ namespace ticktrue::capi {
 
 class Exchange {
  public:
-  /// The document that goes to the other.
+  /// Sets the document to send.
   void offer(Document document, Bytes bytes);
   bool is_offered(Document document) const { return side(document).is_offered; }
-  /// The other's document; null: not all of it is here.
+  /// The document of the other player; null: incomplete.
   const Bytes* arrived(Document document) const {
     return side(document).received.is_whole ? &side(document).in : nullptr;
   }
 
-  /// Whether the other lacks a part, or waits for an answer.
+  /// Whether the other player lacks a part, or waits for an answer.
   bool has_message() const;
-  /// Fills what the message says of documents. `size`: room for the part.
+  /// Fills the fields of the message about documents. `size`: capacity of the part.
   void next(std::size_t size, Message& message);
-  /// Errors: corrupt (a part that does not belong to the document that began).
+  /// Errors: corrupt (a part that does not fit to the earlier parts of the document).
   Status take(const Message& message);
   void owe_answer() { owes_answer_ = true; }
 
@@ -34,10 +34,10 @@ class Exchange {
   struct Side {
     Bytes out;
     bool is_offered = false;
-    std::uint32_t out_next = 0;  // first byte of the next part
-    Received confirmed;          // what the other has of it
+    std::uint32_t out_next = 0;  // offset of the next part
+    Received confirmed;          // bytes that the other player has
     Bytes in;
-    std::uint32_t in_size = 0;  // of the whole document; known with the first part
+    std::uint32_t in_size = 0;  // of the whole document; known from the first part on
     Received received;
   };
   const Side& side(Document document) const { return sides_[static_cast<std::size_t>(document) - 1]; }

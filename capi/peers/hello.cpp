@@ -22,7 +22,7 @@ namespace {
 
 constexpr std::array<std::uint8_t, 4> hello_magic{'T', 'T', 'H', 1};
 constexpr std::size_t hello_check_size = 8;
-constexpr std::size_t setup_begin_max = 4'096;  // bytes of the setup that are compared one by one
+constexpr std::size_t setup_begin_max = 4'096;  // bytes at the begin of a setup that are compared one by one
 constexpr std::size_t schema_size_max = std::size_t{512} << 10;
 constexpr std::size_t facts_size_max = std::size_t{256} << 10;
 
@@ -44,7 +44,7 @@ std::string byte_text(std::uint8_t byte) {
   return hex32(byte).substr(6);
 }
 
-/// "setup: 4 bytes here, 5 there", or its first byte that differs.
+/// "setup: 4 bytes here, 5 there", or the first differing byte.
 std::string setup_difference(const Hello& here, const Hello& there) {
   if (here.setup_size != there.setup_size)
     return "setup: here " + std::to_string(here.setup_size) + " bytes, there " + std::to_string(there.setup_size);
@@ -57,7 +57,7 @@ std::string setup_difference(const Hello& here, const Hello& there) {
          " not the same";
 }
 
-/// The schema of one table alone, without what refers to others.
+/// The schema of one table alone, without its references.
 StateSchema alone(const TableSchema& table) {
   StateSchema schema{{table}};
   TableSchema& copy = schema.tables[0];
@@ -74,7 +74,7 @@ std::string target_name(const StateSchema& schema, int target) {
   return target < 0 || index >= schema.tables.size() ? "none" : schema.tables[index].name;
 }
 
-/// Requires: tables that are the same but for what they refer to.
+/// The first reference with another target. Requires: tables that are equal except for the targets of references.
 std::optional<std::string> target_difference(const StateSchema& here, const TableSchema& a, const StateSchema& there,
                                              const TableSchema& b) {
   const auto line = [&](const std::string& what, int target_a, int target_b) -> std::optional<std::string> {

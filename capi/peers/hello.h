@@ -1,4 +1,4 @@
-// The bytes that players exchange before tick 0: who differs in setup, columns, build or floats is told by name.
+// The bytes that players exchange before tick 0. They find differences in setup, columns, build or floats by name.
 // SPDX-License-Identifier: MIT
 #pragma once
 
@@ -16,7 +16,7 @@ namespace ticktrue::capi {
 
 inline constexpr std::size_t hello_size_max = std::size_t{1} << 20;
 
-/// What one player says of its game.
+/// The facts of one player's game.
 struct Hello {
   std::uint64_t identity = 0;  // of the session
   std::string simulation;
@@ -24,8 +24,8 @@ struct Hello {
   double dt = 0;  // s
   std::uint64_t setup_size = 0;
   std::uint64_t setup_hash = 0;
-  Bytes setup_begin;   // its first bytes
-  StateSchema schema;  // judged columns; empty where they are too many for a message
+  Bytes setup_begin;   // the first bytes of the setup
+  StateSchema schema;  // judged columns; empty: too many for a message
   replay::BuildFacts facts;
 };
 
@@ -34,9 +34,9 @@ Bytes encode_hello(const Hello& hello);
 /// Errors: corrupt.
 Result<Hello> decode_hello(ByteView bytes);
 
-/// What differs, a line each. Lines name the sides "here" and "there".
+/// The differences, one line each. Lines name the sides "here" and "there".
 struct HelloDifferences {
-  std::vector<std::string> refusals;  // the two would not play the same game
+  std::vector<std::string> refusals;  // the two players would not play the same game
   std::vector<std::string> warnings;
 };
 HelloDifferences hello_differences(const Hello& here, const Hello& there);

@@ -1,4 +1,4 @@
-// Keeps the last states within their budget.
+// Stores the last states within their budget.
 // SPDX-License-Identifier: MIT
 #include "capi/peers/kept_ticks.h"
 

@@ -1,4 +1,4 @@
-// The states of the last confirmed ticks, within a budget of bytes: what a desync is located in.
+// The states of the last confirmed ticks, within a budget of bytes. A desync is located in these states.
 // SPDX-License-Identifier: MIT
 #pragma once
 
@@ -20,9 +20,9 @@ using replay::TickInputs;
 struct KeptTick {
   std::uint64_t tick = 0;
   TickInputs inputs;
-  KeptState state;  // after it
+  KeptState state;  // after the tick
   Bytes input_bytes;
-  double time_s = 0;  // simulated before it
+  double time_s = 0;  // simulated time before the tick
 };
 
 class KeptTicks {
@@ -31,15 +31,16 @@ class KeptTicks {
   static constexpr std::size_t count_max = 4'096;
 
   explicit KeptTicks(std::size_t size_max) : size_max_(size_max) {}
-  /// The state before tick 0. It is kept as long as that tick is.
+  /// Stores the state before tick 0 for as long as tick 0 is stored.
   void begin(const StateView& state) { initial_.emplace(state); }
-  /// Forgets the oldest ticks that have no room any more. The newest is always kept. `time_s`: simulated before it.
+  /// Adds a tick, and forgets the oldest ticks until the others fit. The newest is always stored. `time_s`: simulated
+  /// time before the tick.
   void add(std::uint64_t tick, double dt, ByteView inputs, const StateView& state, double time_s = 0);
-  /// Null: not kept.
+  /// Null: the tick is not stored.
   const KeptTick* find(std::uint64_t tick) const;
   std::size_t count() const { return ticks_.size(); }
   const std::deque<KeptTick>& ticks() const { return ticks_; }
-  /// Null: not kept.
+  /// Null: the state is not stored.
   const KeptState* initial() const { return initial_ ? &*initial_ : nullptr; }
 
  private:

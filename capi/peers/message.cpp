@@ -1,4 +1,4 @@
-// Encodes and checks messages and their documents. docs/trace_format.md, "Messages of a desync".
+// Encodes and checks messages and their documents. Format: docs/trace_format.md, "Messages of a desync".
 // SPDX-License-Identifier: MIT
 #include "capi/peers/message.h"
 
@@ -21,7 +21,7 @@ Error wrong_message(const std::string& what) {
   return {ErrorCode::corrupt, "desync message: " + what, ""};
 }
 
-/// A flag in `flag`. False: neither 0 nor 1.
+/// Reads a flag. False: the byte is neither 0 nor 1.
 bool read_message_flag(ByteReader& in, bool& flag) {
   const std::uint8_t value = in.u8();
   flag = value == 1;

@@ -1,4 +1,4 @@
-// Brings roots, states and messages of the players together.
+// Combines roots, states and messages of the players.
 // SPDX-License-Identifier: MIT
 #include "capi/peers/peers.h"
 
@@ -13,7 +13,7 @@
 namespace ticktrue::capi {
 namespace {
 
-constexpr std::uint64_t root_window = 64;  // ticks before the one that differs, of which roots are sent
+constexpr std::uint64_t root_window = 64;  // roots are sent of this number of ticks before the differing tick
 
 Error other_game(const std::string& what) {
   return {ErrorCode::incompatible, "desync message: " + what, ""};
@@ -28,7 +28,7 @@ void Peers::set_game(const replay::TraceSetup& setup, const replay::BuildFacts& 
 }
 
 void Peers::add(std::uint64_t tick, std::uint64_t root, double dt, ByteView inputs, const StateView& state) {
-  // Behind a difference all ticks differ: what is kept stays.
+  // After a difference all ticks differ: the stored states stay.
   if (keeps_states_ && !has_desync()) kept_.add(tick, dt, inputs, state, time_s_);
   time_s_ += dt;
   roots_.add(tick, root);
@@ -49,7 +49,7 @@ void Peers::add_root(std::uint32_t peer, std::uint64_t tick, std::uint64_t root)
   if (has_desync()) update();
 }
 
-/// The exchange is about the first tick that is known to differ, or about an earlier one that another player named.
+/// Sets the tick of the exchange: the first differing tick that is known, or an earlier tick that another player named.
 void Peers::update() {
   const std::optional<std::uint64_t> differing = roots_.differing();
   if (!differing) return;
@@ -116,15 +116,15 @@ Status Peers::receive(std::uint32_t peer, ByteView bytes) {
                       std::to_string(message->to) + ", expected from " + std::to_string(peer) + " to " +
                       std::to_string(player_));
   const std::optional<std::uint64_t> here = roots_.at(message->tick);
-  if (!here) return {};  // not confirmed yet, or forgotten: it comes again
+  if (!here) return {};  // not confirmed yet, or forgotten: the message comes again
   const bool is_here = location_ && location_->tick == message->tick;
   if (location_ && message->tick > location_->tick) {
-    other(peer).exchange.owe_answer();  // which names the earlier tick
+    other(peer).exchange.owe_answer();  // the answer names the earlier tick
     return {};
   }
   if (!is_here) {
     const auto there = roots_.at(peer, message->tick);
-    if (there && there == here) return {};  // between two others, if anyone: their roots will say so
+    if (there && there == here) return {};  // a difference between other players shows in their roots
     roots_.know(peer);
     locate(message->tick, peer);
   }
@@ -208,7 +208,7 @@ DesyncFinding Peers::finding(const RowNamer& row_name) {
   verifier::compare_players(schema(), row_name, found);
   for (std::uint64_t t = found.tick; t-- > roots_.first_kept() && !found.agreed;) {
     const auto all = roots_.at(t);
-    // Of players with the root of this one, no earlier difference is known.
+    // A player with the same root as this player has no known earlier difference.
     const bool is_same = all && std::all_of(found.players.begin(), found.players.end(), [&](const DesyncPlayer& p) {
                            return !p.root || p.root == here || roots_.at(p.player, t) == all;
                          });

@@ -1,4 +1,4 @@
-// Keeps and compares roots, whichever side's comes first.
+// Stores and compares roots. Either side's root can come first.
 // SPDX-License-Identifier: MIT
 #include "capi/peers/root_table.h"
 
@@ -25,7 +25,7 @@ std::optional<std::uint64_t> RootTable::at(std::uint32_t player, std::uint64_t t
 
 void RootTable::judge(std::uint32_t player, std::uint64_t tick, std::uint64_t here, std::uint64_t there) {
   PeerCount& count = counts_[player];
-  // Behind the first difference all ticks differ: only earlier ones say something.
+  // After the first difference all ticks differ: only earlier ticks matter.
   if (count.differing && tick >= *count.differing) return;
   ++count.compared;
   if (here == there) {
@@ -59,7 +59,7 @@ void RootTable::add_peer(std::uint32_t player, std::uint64_t tick, std::uint64_t
     if (entry.root != root) ++count.changed;
     return;
   }
-  if (entry.tick_and_one > tick + 1) return;  // a later tick has its place
+  if (entry.tick_and_one > tick + 1) return;  // a later tick occupies this entry
   entry = {tick + 1, root};
   if (const auto own = at(tick)) judge(player, tick, *own, root);
 }

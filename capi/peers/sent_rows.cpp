@@ -1,4 +1,4 @@
-// Selects rows by the cells of both states, and merges the other's rows into a copy of the own ones.
+// Selects rows by the cells of both states. Merges received rows into a copy of this player's rows.
 // SPDX-License-Identifier: MIT
 #include "capi/peers/sent_rows.h"
 
@@ -14,7 +14,7 @@
 namespace ticktrue::capi {
 namespace {
 
-/// Tables with other row counts or column hashes; all, where only the root hash tells them apart.
+/// Tables with other row counts or column hashes. If only the root hash differs, all tables.
 std::vector<std::uint32_t> differing_tables(const StateSchema& schema, const StateCells& a, const StateCells& b) {
   const replay::CellLayout layout(schema);
   std::vector<std::uint32_t> found;
@@ -95,12 +95,13 @@ RowsDocument rows_to_send(const StateView& state, const StateCells& there, CellH
   return selection.take();
 }
 
-/// Rows by number where the table has no key, else by key. What was sent from here and did not come, is not there.
+/// Rows are matched by key, or by number if the table has no key. A row with a key that was sent and did not come back
+/// does not exist on the other side.
 void OtherState::merge(const TableSchema& table, const SentTable* sent, const SentTable& came, bool is_cut,
                        Bytes& rows) const {
   const std::size_t size = table.row_size;
   if (table.key_column_count == 0) {
-    // A row that neither side has is left out: the document was cut.
+    // The document was truncated: a row that neither side has is left out.
     const std::size_t last = came.rows.empty() ? 0 : std::size_t{came.rows.back()} + 1;
     rows.resize(std::min<std::size_t>(came.row_count, std::max(rows.size() / size, last)) * size);
     for (std::size_t i = 0; i < came.rows.size(); ++i)

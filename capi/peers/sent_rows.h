@@ -1,8 +1,8 @@
-// Which rows of a differing state are sent, and the other player's state made of one's own and the rows that came.
+// Selects the rows of a differing state to send, and reconstructs the other player's state from the received rows.
 // SPDX-License-Identifier: MIT
 //
-// Tables of which row count and column hashes agree are not sent. Small tables are sent whole. Of larger ones go the
-// rows whose owners the cells name (base/state/cells.h).
+// Tables with equal row count and column hashes are not sent. Small tables are sent whole. Of larger tables, the rows
+// whose owners the cells name are sent (base/state/cells.h).
 #pragma once
 
 #include <cstddef>
@@ -21,10 +21,10 @@ inline constexpr std::size_t whole_tables_size_max = std::size_t{64} << 10;  // 
 inline constexpr std::size_t sent_rows_size_max = std::size_t{1} << 20;      // bytes of all rows
 inline constexpr std::size_t sent_row_count_max = 65'536;
 
-/// The rows of `state` that can differ from those of a state with the cells `there`.
+/// The rows of `state` that may differ from a state with the cells `there`.
 RowsDocument rows_to_send(const StateView& state, const StateCells& there, CellHasher& hasher);
 
-/// The tables of the other player's state. `sent`: the rows that were sent from here.
+/// The tables of the other player's state. `sent`: the rows that this player sent.
 class OtherState {
  public:
   OtherState() = default;

@@ -1,4 +1,4 @@
-// Modules are those of the dynamic linker. Variables are read from .symtab, else from .dynsym.
+// Reads the modules of the dynamic linker. Variables are read from .symtab, else from .dynsym.
 // SPDX-License-Identifier: MIT
 #include "capi/unsaved/memory.h"
 
@@ -21,7 +21,7 @@
 #include <filesystem>
 #include <system_error>
 
-/// Of the preload library, where it is loaded.
+/// In the preload library, if it is loaded.
 extern "C" TICKTRUE_WEAK void ticktrue_shim_heap(ticktrue::shim::KeptHeap* found,
                                                  const ticktrue::shim::KeptHeap* wanted);
 #endif
@@ -33,9 +33,9 @@ namespace {
 
 constexpr std::uint64_t range_size_max = std::uint64_t{256} << 20;
 
-constexpr std::uint64_t generator_size = 128;  // of the state that the C library begins with
+constexpr std::uint64_t generator_size = 128;  // bytes of the initial state of rand and random in the C library
 
-/// Libraries whose variables are no state of a game.
+/// Libraries whose variables are not state of a game.
 bool is_foreign(const std::string& path) {
   const std::string name = std::filesystem::path(path).filename().string();
   for (const char* beginning : {"libc.so", "libc-", "libm.so", "libstdc++", "libgcc_s", "ld-linux", "libdl", "librt",
@@ -44,7 +44,7 @@ bool is_foreign(const std::string& path) {
   return false;
 }
 
-/// A file as bytes; closed at the end of its life.
+/// The bytes of a file, closed by the destructor.
 class MappedFile {
  public:
   explicit MappedFile(const std::string& path) {
@@ -63,7 +63,7 @@ class MappedFile {
     if (data_ != nullptr) ::munmap(const_cast<char*>(data_), size_);
   }
 
-  /// `count` structs at `offset`; null where they do not lie in the file.
+  /// `count` structs at `offset`; null: they are outside the file.
   template <typename T>
   const T* at(std::uint64_t offset, std::uint64_t count = 1) const {
     if (data_ == nullptr || offset > size_ || count > (size_ - offset) / sizeof(T) || offset % alignof(T) != 0)
@@ -83,7 +83,7 @@ class MappedFile {
 
 struct ModulePlace {
   std::uint64_t base = 0;
-  std::uint64_t thread_begin = 0;  // its variables of this thread; 0: none
+  std::uint64_t thread_begin = 0;  // the variables of this thread; 0: none
 };
 
 bool is_of_ticktrue(const std::string& name) {
@@ -137,7 +137,7 @@ int add_module(dl_phdr_info* info, std::size_t, void* with) {
   if (path.empty() || is_foreign(path)) return 0;
   const std::size_t module = memory.modules.size();
   ModulePlace place{info->dlpi_addr, 0};
-  std::uint64_t constant_end = 0;  // what the dynamic linker made read-only
+  std::uint64_t constant_end = 0;  // end of the part that the dynamic linker made read-only
   for (unsigned i = 0; i < info->dlpi_phnum; ++i)
     if (info->dlpi_phdr[i].p_type == PT_GNU_RELRO)
       constant_end = info->dlpi_phdr[i].p_vaddr + info->dlpi_phdr[i].p_memsz;
@@ -188,7 +188,7 @@ ProgramMemory program_memory(const void* stack_begin) {
   return memory;
 }
 
-// Source: initstate(3). A state that is left holds its position, too.
+// Source: initstate(3). A state that is replaced also stores its position.
 ParkedGenerator::ParkedGenerator() : state_(::initstate(1, other_, sizeof other_)) {}
 ParkedGenerator::~ParkedGenerator() {
   if (state_ != nullptr) ::setstate(state_);

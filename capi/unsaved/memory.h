@@ -10,7 +10,7 @@
 
 namespace ticktrue::capi {
 
-/// A variable, as the symbol table of a module has it.
+/// A variable from the symbol table of a module.
 struct Variable {
   std::uint64_t address = 0;
   std::uint64_t size = 0;  // bytes
@@ -20,12 +20,12 @@ struct Variable {
 /// `generator`: the state of rand and random of the C library.
 enum class RangeKind : std::uint8_t { module, thread, stack, generator };
 
-/// Writable memory that lies in one piece.
+/// A contiguous range of writable memory.
 struct MemoryRange {
   RangeKind kind = RangeKind::module;
   std::uint64_t begin = 0;
   std::uint64_t size = 0;  // bytes
-  std::size_t module = 0;  // of module and thread
+  std::size_t module = 0;  // for module and thread
 };
 
 struct LoadedModule {
@@ -37,27 +37,27 @@ struct LoadedModule {
 struct ProgramMemory {
   std::vector<LoadedModule> modules;
   std::vector<MemoryRange> ranges;
-  std::vector<Variable> variables;  // by address
+  std::vector<Variable> variables;  // sorted by address
   std::uint64_t left_out = 0;       // bytes of ranges that are too large
 };
 
-/// The writable memory that the calling thread can reach. `stack_begin`: the stack from there on is the program's.
-/// Without the C library, the C++ library and libticktrue. Elsewhere than on GNU/Linux: nothing.
+/// The writable memory that the calling thread can reach, without the C library, the C++ library and libticktrue.
+/// `stack_begin`: the stack from here on belongs to the program. Empty without GNU/Linux.
 ProgramMemory program_memory(const void* stack_begin);
 
-/// The heap of the preload library; all null: it is not loaded.
+/// The heap of the preload library; all null: the library is not loaded.
 shim::KeptHeap kept_heap();
-/// No freed block is used again, and new blocks lie at `top` or behind it.
+/// Stops the reuse of freed blocks. New blocks are placed at or after `from.top`.
 void keep_heap_blocks(const shim::KeptHeap& from);
 
-/// Keeps rand and random of the C library from their state while it lives, so that the state may be read and written.
+/// During its lifetime, rand and random of the C library use another state. So their own state can be read and written.
 class ParkedGenerator {
  public:
   ParkedGenerator();
   ParkedGenerator(const ParkedGenerator&) = delete;
   ParkedGenerator& operator=(const ParkedGenerator&) = delete;
   ~ParkedGenerator();
-  /// 0: it lies in memory of the program.
+  /// 0: the state is in memory of the program.
   std::uint64_t address() const;
 
  private:

@@ -1,4 +1,4 @@
-// Windows: copies of the process, and what they leave in shared memory.
+// Windows: copies of the process, and their results in shared memory.
 // SPDX-License-Identifier: MIT
 #include "capi/unsaved/probe.h"
 
@@ -31,13 +31,13 @@ namespace ticktrue::capi {
 namespace {
 
 constexpr std::uint64_t heap_room_max = std::uint64_t{512} << 20;
-constexpr std::uint64_t lengths[] = {5, 13, 31};  // ticks of windows, in turn
-constexpr std::uint64_t dense_windows = 100;      // at first, windows lie over each other
-constexpr std::uint64_t dense_step = 4;           // ticks between these
-// A trial runs as many ticks as the window; one that takes so many times as long, and a second, hangs.
+constexpr std::uint64_t lengths[] = {5, 13, 31};  // lengths of windows in ticks, by rotation
+constexpr std::uint64_t dense_windows = 100;      // the first windows, which overlap
+constexpr std::uint64_t dense_step = 4;           // ticks between the begins of these windows
+// A trial runs as many ticks as the window. If it takes this many times as long plus a second, it hangs.
 constexpr std::uint64_t times_of_window = 10;
 constexpr std::uint64_t trial_time_least_ms = 1'000;
-constexpr std::uint64_t harmless_windows = 6;  // in which nothing moved, and what differs is noted
+constexpr std::uint64_t harmless_windows = 6;  // windows without moved columns whose differences are recorded
 
 std::size_t count_columns(const StateSchema& schema) {
   std::size_t count = 0;
@@ -45,7 +45,7 @@ std::size_t count_columns(const StateSchema& schema) {
   return count;
 }
 
-/// One hash for each column, and one for the number of rows of each table.
+/// Computes one hash for each column, and one for the row count of each table.
 void hash_columns(const StateView& state, std::uint64_t* hashes) {
   Bytes values;
   for (std::size_t t = 0; t < state.tables.size(); ++t) {
@@ -64,14 +64,14 @@ void hash_columns(const StateView& state, std::uint64_t* hashes) {
   }
 }
 
-/// Of the system itself: the program may see other clocks.
+/// The clock of the system itself: the program may see other clocks.
 std::uint64_t now_ms() {
   timespec now{};
   ::syscall(SYS_clock_gettime, CLOCK_MONOTONIC, &now);
   return static_cast<std::uint64_t>(now.tv_sec) * 1'000 + static_cast<std::uint64_t>(now.tv_nsec) / 1'000'000;
 }
 
-/// Waits for the end of a process; one that takes longer than `limit_ms` is killed. Returns its status.
+/// Waits for the end of a process, and kills it after `limit_ms`. Returns its status.
 int wait_for(pid_t process, int limit_ms) {
   const int file = static_cast<int>(::syscall(SYS_pidfd_open, process, 0));
   if (file >= 0) {
@@ -84,7 +84,7 @@ int wait_for(pid_t process, int limit_ms) {
   return status;
 }
 
-/// A copy prints nothing and ends with the process.
+/// Makes a copy print nothing and end with its parent process.
 void become_copy() {
   ::prctl(PR_SET_PDEATHSIG, SIGKILL);
   const int nothing = ::open("/dev/null", O_RDWR | O_CLOEXEC);
@@ -174,7 +174,7 @@ bool Probe::run_window(std::uint64_t tick, const StateView& state, const Registe
   if (!map_window(state)) return false;
   ++window_count_;
   {
-    const ParkedGenerator parked;  // so that its state holds its position
+    const ParkedGenerator parked;  // so that the state stores its position
   }
   if (fork_copy(Role::straight, copy_time_ms)) {
     keep_heap_blocks(heap_);

@@ -1,4 +1,4 @@
-// The findings as JSON, for `ticktrue unsaved`: addresses as modules and offsets.
+// Writes the findings as JSON, for `ticktrue unsaved`: addresses are modules and offsets.
 // SPDX-License-Identifier: MIT
 #include <algorithm>
 #include <cstdio>

@@ -1,4 +1,4 @@
-// The search for the differences that move a column: halves of them are written into copies of the process.
+// Searches for the differences that move a column: halves of the set are written into copies of the process.
 // SPDX-License-Identifier: MIT
 #include <algorithm>
 #include <cstring>
@@ -14,10 +14,10 @@ namespace {
 
 constexpr std::uint64_t trials_of_window_max = 400;
 constexpr std::uint64_t time_of_window_max_ms = 20'000;
-constexpr std::size_t holders_max = 16;  // units of a finding whose holder is looked for
+constexpr std::size_t holders_max = 16;  // units of a finding whose holders are searched
 constexpr std::uint64_t examined_windows_max = 40;
 
-/// A variable, or a place in blocks of one allocation site: the same in every window.
+/// The key of a variable, or of a place in the blocks of one allocation site. It is equal in every window.
 std::string key_of(const Unit& unit) {
   std::string key = std::to_string(static_cast<int>(unit.owner)) + " " + unit.name;
   if (unit.owner == PieceOwner::variable || unit.owner == PieceOwner::generator) return key;
@@ -56,7 +56,7 @@ bool Probe::examine() {
   if (control.has_moved) {
     if (refusal_.empty())
       refusal_ = "the same ticks from the same memory end otherwise at tick " + std::to_string(control.tick);
-    hint_.clear();  // `ticktrue unsaved` knows the command that looks for the cause
+    hint_.clear();  // `ticktrue unsaved` knows the command that finds the cause
     return false;
   }
   const std::size_t before = findings_.size();
@@ -74,7 +74,7 @@ bool Probe::search(const Groups& groups, const Trial* known) {
   const Trial trial = known != nullptr ? *known : try_groups(groups);
   if (is_copy() || !trial.has_moved) return false;
   if (groups.size() == 1) {
-    // A copy that crashes holds memory that does not fit together: this alone is no proof.
+    // A crashed copy had memory that does not fit together: a crash alone is no proof.
     if (trial.has_crashed) return false;
     add_finding(groups, trial, false);
     return true;
@@ -113,7 +113,7 @@ Probe::Trial Probe::try_groups(const Groups& groups) {
 }
 
 void Probe::write_groups(const Groups& groups) {
-  // Blocks that load has allocated: pointers to them are among the differences.
+  // Reserves the blocks that load allocated: the differences contain pointers to them.
   keep_heap_blocks(shared_->heap);
   const char* first = heap_.begin != nullptr ? heap_.top : shared_->heap.begin;
   const auto size = static_cast<std::uint64_t>(shared_->heap.top - first);

@@ -1,4 +1,4 @@
-// Pieces are joined by the pointers in them: a list whose nodes are new, a vector that lies elsewhere.
+// Joins pieces by the pointers in them: a list with new nodes, a vector at another address.
 // SPDX-License-Identifier: MIT
 #include "capi/unsaved/units.h"
 
@@ -10,9 +10,9 @@
 namespace ticktrue::capi {
 namespace {
 
-constexpr std::uint64_t cell = 4;             // bytes; differences in a block are counted by cells of this size
-constexpr std::uint64_t long_run = 64;        // bytes that differ side by side are one thing: a generator, an array
-constexpr std::uint64_t node_size_max = 256;  // bytes: a greater block is no node of a container
+constexpr std::uint64_t cell = 4;       // bytes; differences in a block are counted in cells of this size
+constexpr std::uint64_t long_run = 64;  // bytes; a longer run of differing bytes is one unit: a generator, an array
+constexpr std::uint64_t node_size_max = 256;  // bytes; a larger block is not a node of a container
 constexpr std::uint64_t page_size = 4096;
 
 const std::uint8_t* here(std::uint64_t address) {
@@ -88,7 +88,7 @@ class Finder {
     if (!unit.pieces.empty()) found_.units.push_back(std::move(unit));
   }
 
-  /// The variable at this place, or the bytes up to the next one. Returns what comes behind.
+  /// Adds the variable at this place, or the bytes up to the next variable. Returns the address after it.
   std::uint64_t add_variable(const MemoryRange& range, std::uint64_t at, const std::uint8_t* other) {
     const std::uint64_t address = range.begin + at;
     auto next = std::upper_bound(memory_.variables.begin(), memory_.variables.end(), address,
@@ -125,7 +125,7 @@ class Finder {
 
   bool is_pointer(std::uint64_t word) const { return word >= begin_ && word < top_after_; }
 
-  /// Cells from `at` on that differ side by side. Returns what comes behind them.
+  /// Adds a run of differing cells that begins at `at`. Returns the offset after it.
   std::uint64_t add_cells(std::uint64_t begin, std::uint64_t at, std::uint64_t size, const std::uint8_t* other,
                           PieceOwner owner) {
     const auto differs = [&](std::uint64_t from) {
@@ -153,7 +153,7 @@ class Finder {
     return std::max(end, at + 1);
   }
 
-  /// The blocks of both processes. The headers of this process tell those that are gone.
+  /// Reads the blocks of both processes. The headers of this process show the blocks that are gone.
   void read_blocks() {
     if (begin_ == 0) return;
     for (std::uint64_t at = begin_; at < top_after_;) {
@@ -241,7 +241,7 @@ class Finder {
   const ProgramMemory& memory_;
   const OtherMemory& other_;
   std::uint64_t begin_, top_before_, top_after_;
-  std::vector<HeapBlock> blocks_;  // by address
+  std::vector<HeapBlock> blocks_;  // sorted by address
   std::vector<std::size_t> parents_;
   Differences found_;
 };

@@ -1,4 +1,4 @@
-// Units: pieces of memory that load left changed. A pointer and the new block it points to are one unit.
+// Units: pieces of memory that load left changed. A pointer and the new block that it points to are one unit.
 // SPDX-License-Identifier: MIT
 #pragma once
 
@@ -10,13 +10,13 @@
 
 namespace ticktrue::capi {
 
-/// The memory of another process, which had the same addresses.
+/// The memory of another process with the same addresses.
 class OtherMemory {
  public:
   void add(std::uint64_t begin, std::uint64_t size, const std::uint8_t* bytes) {
     parts_.push_back({begin, size, bytes});
   }
-  /// Null: it was not copied.
+  /// Null: this memory was not copied.
   const std::uint8_t* at(std::uint64_t address, std::uint64_t size) const;
 
  private:
@@ -35,37 +35,37 @@ struct Piece {
 
 enum class PieceOwner : std::uint8_t { variable, module, thread, stack, generator, block };
 
-/// Bytes that differ: of a variable, or side by side in a block.
+/// Differing bytes: of a variable, or contiguous in a block.
 struct Unit {
   PieceOwner owner = PieceOwner::variable;
-  std::string name;                // of a variable, mangled
+  std::string name;                // mangled name of the variable
   std::uint64_t begin = 0;         // of the owner
   std::uint64_t size = 0;          // of the owner
   std::size_t module = 0;          // of variable, module and thread
-  std::string holder;              // of a block: the variable that points to it, mangled; empty: none does
-  std::vector<const void*> stack;  // of a block: where it was allocated
+  std::string holder;              // of a block: mangled name of the variable that points to it; empty: none
+  std::vector<const void*> stack;  // of a block: the call stack of its allocation
   std::vector<Piece> pieces;
 };
 
-/// The variable of the program that points into the block of the unit becomes its holder.
+/// Sets `holder` to the variable of the program that points into the block of the unit.
 void find_holder(const ProgramMemory& memory, Unit& unit);
 
 struct HeapBlock {
   std::uint64_t begin = 0;
   std::uint64_t size = 0;
-  bool is_new = false;   // of the other process alone
-  bool is_gone = false;  // of this process alone
+  bool is_new = false;   // only in the other process
+  bool is_gone = false;  // only in this process
   std::vector<std::size_t> units;
 };
 
 struct Differences {
   std::vector<Unit> units;
-  std::vector<std::vector<std::size_t>> groups;  // of units, each to be written as a whole
+  std::vector<std::vector<std::size_t>> groups;  // indices of units; a group is written as a whole
   std::uint64_t left_out = 0;                    // bytes that were not compared
 };
 
-/// `heap_before`, `heap_after`: of this and of the other process. `moved`: where columns lie that load registered anew;
-/// the group that has this memory has the number that comes back in `moved_group`, -1 for none.
+/// `heap_before`, `heap_after`: the heaps of this and of the other process. `moved`: addresses of columns that load
+/// registered again. `moved_group`: for each, the index of the group with this memory; -1: none.
 Differences find_differences(const ProgramMemory& memory, const OtherMemory& other, const shim::KeptHeap& heap_before,
                              const shim::KeptHeap& heap_after, const std::vector<std::uint64_t>& moved,
                              std::vector<std::ptrdiff_t>& moved_group);

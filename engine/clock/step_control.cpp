@@ -19,7 +19,7 @@ constexpr int trial_count_max = 40;   // 0.85^40 is far below dt_min / dt_max of
 double larger(double a, double b) {
   return a > b ? a : b;
 }
-double smaller(double a, double b) {
+double shorter(double a, double b) {
   return a < b ? a : b;
 }
 
@@ -89,14 +89,14 @@ Result<double> StepControl::error_of(Engine& engine, double dt) {
 
 Result<double> StepControl::choose(Engine& engine, double due_s, ClockReport& report) {
   // A state that is not finite has no error, and its image could not be loaded. The next tick reports the state.
-  if (find_non_finite(engine.state())) return smaller(next_s_, due_s);
+  if (find_non_finite(engine.state())) return shorter(next_s_, due_s);
   image_.clear();
   encode_image(engine.state(), image_);
   const double floor_s = larger(settings_.dt_min, 2 * limits::dt_min_s);
-  double dt = larger(floor_s, smaller(next_s_, settings_.dt_max));
+  double dt = larger(floor_s, shorter(next_s_, settings_.dt_max));
   // A wanted length beyond the frame is kept for the next frame. A trial takes at most the time due.
   for (int trial = 0; trial < trial_count_max; ++trial) {
-    const double tried = smaller(dt, due_s);
+    const double tried = shorter(dt, due_s);
     const Result<double> error = error_of(engine, tried);
     if (!error) return error.error();
     ++report.trial_count;
@@ -107,7 +107,7 @@ Result<double> StepControl::choose(Engine& engine, double due_s, ClockReport& re
     if (!(*error - *error == 0)) factor = shrink_max;
     if (accepted) {
       const bool steady = *error >= steady_share * settings_.tolerance;
-      next_s_ = steady ? dt : smaller(tried * smaller(factor, growth_max), settings_.dt_max);
+      next_s_ = steady ? dt : shorter(tried * shorter(factor, growth_max), settings_.dt_max);
       // A first guess far too short would waste a tick of little error. Try a longer length once the error is known.
       if (!steady && trial == 0 && tried < due_s && next_s_ > 1.2 * tried) {
         dt = next_s_;
@@ -120,10 +120,10 @@ Result<double> StepControl::choose(Engine& engine, double due_s, ClockReport& re
       next_s_ = floor_s;
       return tried;
     }
-    dt = larger(floor_s, tried * larger(shrink_max, smaller(factor, 0.95)));
+    dt = larger(floor_s, tried * larger(shrink_max, shorter(factor, 0.95)));
   }
   ++report.inaccurate_count;
-  return smaller(floor_s, due_s);
+  return shorter(floor_s, due_s);
 }
 
 }  // namespace ticktrue::engine

@@ -4,7 +4,7 @@
 
 #include <algorithm>
 
-#include "engine/islands/union_find.h"
+#include "engine/math/union_find.h"
 
 namespace ticktrue::engine::TICKTRUE_PRECISION {
 namespace {

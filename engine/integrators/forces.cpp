@@ -12,7 +12,7 @@
 namespace ticktrue::engine::TICKTRUE_PRECISION {
 namespace {
 
-Vec2 to_vec2(Point p) {
+Vec2 vector_of(Point p) {
   return {static_cast<Real>(p.x), static_cast<Real>(p.y)};
 }
 
@@ -24,13 +24,13 @@ void add_to_body(Model& model, std::size_t source, const Force& force, Point win
   const Real angular_coefficient = static_cast<Real>(force.angular_coefficient);
   switch (force.kind) {
     case ForceKind::constant:
-      out.acceleration = out.acceleration + body.inv_mass * to_vec2(force.vector);
+      out.acceleration = out.acceleration + body.inv_mass * vector_of(force.vector);
       out.angular_acceleration += body.inv_inertia * static_cast<Real>(force.torque);
       break;
     case ForceKind::linear_drag:
       body.linear_damping += coefficient * body.inv_mass;
       body.angular_damping += angular_coefficient * body.inv_inertia;
-      out.acceleration = out.acceleration + (coefficient * body.inv_mass) * to_vec2(wind);
+      out.acceleration = out.acceleration + (coefficient * body.inv_mass) * vector_of(wind);
       break;
     case ForceKind::quadratic_drag:
       out.quadratic_drag += coefficient * body.inv_mass;
@@ -48,8 +48,8 @@ void add_spring(Model& model, const Force& force) {
   SpringForce spring;
   spring.body = *force.body;
   spring.other = force.other.value_or(no_reference);
-  spring.anchor = to_vec2(force.anchor) - model.bodies[spring.body].center;
-  spring.point = to_vec2(force.point);
+  spring.anchor = vector_of(force.anchor) - model.bodies[spring.body].center;
+  spring.point = vector_of(force.point);
   if (force.other) spring.point = spring.point - model.bodies[spring.other].center;
   spring.stiffness = static_cast<Real>(force.stiffness);
   spring.damping = static_cast<Real>(force.damping);
@@ -62,7 +62,7 @@ void add_central(Model& model, const Force& force) {
   CentralForce central;
   central.every = !force.body.has_value();
   central.body = force.body.value_or(0);
-  central.center = to_vec2(force.point);
+  central.center = vector_of(force.point);
   central.strength = static_cast<Real>(force.coefficient);
   central.exponent = static_cast<int>(force.exponent);
   model.centrals.push_back(central);
@@ -183,7 +183,7 @@ void add_forces(Model& model) {
   Point wind;
   for (const Force& force : forces)
     if (force.kind == ForceKind::wind) wind = {wind.x + force.vector.x, wind.y + force.vector.y};
-  model.wind = to_vec2(wind);
+  model.wind = vector_of(wind);
   for (const Force& force : forces) {
     if (force.kind == ForceKind::spring) {
       add_spring(model, force);

@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
-#include "engine/islands/union_find.h"
+#include "engine/math/union_find.h"
 #include "engine/model/model.h"
 #include "engine/model/poison.h"
 #include "engine/model/stage.h"

@@ -44,7 +44,7 @@ bool is_lower(const Point& a, const Point& b) {
   return a.y < b.y || (a.y == b.y && a.x < b.x);
 }
 
-Error refused(std::string message, std::string hint) {
+Error refused_hull(std::string message, std::string hint) {
   return Error{ErrorCode::invalid_scene, std::move(message), std::move(hint)};
 }
 
@@ -259,16 +259,16 @@ MassProperties shape_mass(const Shape& shape) {
 Result<std::vector<Point>> build_hull(const std::vector<Point>& points) {
   const std::size_t count = points.size();
   if (count < limits::polygon_vertex_count_min || count > limits::polygon_vertex_count_max)
-    return refused("wrong number of vertices: found " + std::to_string(count) + ", expected " +
-                       std::to_string(limits::polygon_vertex_count_min) + ".." +
-                       std::to_string(limits::polygon_vertex_count_max),
-                   count < limits::polygon_vertex_count_min ? "a polygon needs an area"
-                                                            : "split it, or give the body several shapes");
+    return refused_hull("wrong number of vertices: found " + std::to_string(count) + ", expected " +
+                            std::to_string(limits::polygon_vertex_count_min) + ".." +
+                            std::to_string(limits::polygon_vertex_count_max),
+                        count < limits::polygon_vertex_count_min ? "a polygon needs an area"
+                                                                 : "split it, or give the body several shapes");
   Point lower = points[0], upper = points[0];
   for (std::size_t i = 0; i < count; ++i) {
     const Point& p = points[i];
     if (!(p.x - p.x == 0) || !(p.y - p.y == 0))
-      return refused("vertex " + std::to_string(i) + ": must be finite: found " + point_text(p), "");
+      return refused_hull("vertex " + std::to_string(i) + ": must be finite: found " + point_text(p), "");
     lower = {p.x < lower.x ? p.x : lower.x, p.y < lower.y ? p.y : lower.y};
     upper = {p.x > upper.x ? p.x : upper.x, p.y > upper.y ? p.y : upper.y};
   }
@@ -277,14 +277,15 @@ Result<std::vector<Point>> build_hull(const std::vector<Point>& points) {
   for (std::size_t i = 0; i < count; ++i)
     for (std::size_t j = i + 1; j < count; ++j)
       if (!(length(minus(points[i], points[j])) > duplicate_fraction * extent))
-        return refused("vertices " + std::to_string(i) + " and " + std::to_string(j) + " coincide: found " +
-                           point_text(points[i]) + " and " + point_text(points[j]) + ", expected more than " +
-                           number_text(duplicate_fraction) + " of the polygon's extent between them",
-                       "remove one of them");
+        return refused_hull("vertices " + std::to_string(i) + " and " + std::to_string(j) + " coincide: found " +
+                                point_text(points[i]) + " and " + point_text(points[j]) + ", expected more than " +
+                                number_text(duplicate_fraction) + " of the polygon's extent between them",
+                            "remove one of them");
 
   const std::vector<std::size_t> hull = strict_hull(points);
   const double corner_min = corner_fraction * extent;
-  if (hull.size() < 3) return refused("all vertices lie on one line: found no area, expected a convex polygon", "");
+  if (hull.size() < 3)
+    return refused_hull("all vertices lie on one line: found no area, expected a convex polygon", "");
   std::vector<bool> is_corner(count, false);
   for (const std::size_t index : hull) is_corner[index] = true;
   for (std::size_t i = 0; i < count; ++i) {
@@ -295,12 +296,12 @@ Result<std::vector<Point>> build_hull(const std::vector<Point>& points) {
       if (d < distance) distance = d;
     }
     if (distance <= corner_min)
-      return refused("vertex " + std::to_string(i) + " lies on the line between two others: found " +
-                         point_text(points[i]) + ", expected a corner",
-                     "remove it: the shape stays the same");
-    return refused("concave: found vertex " + std::to_string(i) + " " + point_text(points[i]) +
-                       " inside the hull of the others, expected a convex polygon",
-                   "split it into convex polygons of one body");
+      return refused_hull("vertex " + std::to_string(i) + " lies on the line between two others: found " +
+                              point_text(points[i]) + ", expected a corner",
+                          "remove it: the shape stays the same");
+    return refused_hull("concave: found vertex " + std::to_string(i) + " " + point_text(points[i]) +
+                            " inside the hull of the others, expected a convex polygon",
+                        "split it into convex polygons of one body");
   }
   std::vector<Point> corners;
   corners.reserve(count);
@@ -308,9 +309,9 @@ Result<std::vector<Point>> build_hull(const std::vector<Point>& points) {
     const Point& before = points[hull[k == 0 ? count - 1 : k - 1]];
     const Point& after = points[hull[k + 1 == count ? 0 : k + 1]];
     if (!(distance_to_segment(points[hull[k]], before, after) > corner_min))
-      return refused("vertex " + std::to_string(hull[k]) + " lies on the line between two others: found " +
-                         point_text(points[hull[k]]) + ", expected a corner",
-                     "remove it: the shape stays the same");
+      return refused_hull("vertex " + std::to_string(hull[k]) + " lies on the line between two others: found " +
+                              point_text(points[hull[k]]) + ", expected a corner",
+                          "remove it: the shape stays the same");
     corners.push_back(points[hull[k]]);
   }
   return corners;

@@ -28,9 +28,10 @@ Point in_frame_of(const Body& body, const Point& point) {
 
 /// Reads a scene. The elements of its lists are read first, one at a time, in the order of the text, and then the rest.
 /// Last, names of bodies, points in world coordinates and settings that follow from bodies are resolved.
-class SceneReader : public JsonReader {
+class SceneJsonReader : public JsonReader {
  public:
-  SceneReader(const std::string& source, Scene& scene) : JsonReader(source, ErrorCode::invalid_scene), scene_(scene) {}
+  SceneJsonReader(const std::string& source, Scene& scene)
+      : JsonReader(source, ErrorCode::invalid_scene), scene_(scene) {}
 
   static std::vector<StreamedList> lists() {
     return {{"bodies", limits::body_count_max},
@@ -432,11 +433,11 @@ Result<Scene> parse_scene(std::string_view json, const std::string& source) {
                      std::to_string(limits::scene_file_size_max),
                  ""};
   Scene scene;
-  SceneReader reader(source, scene);
+  SceneJsonReader reader(source, scene);
   const auto take = [&](std::string_view list, std::size_t index, const JsonValue& element) {
     return reader.element(list, index, element) ? Status{} : Status(reader.error());
   };
-  const Result<JsonValue> tree = parse_json(json, source, ErrorCode::invalid_scene, SceneReader::lists(), take);
+  const Result<JsonValue> tree = parse_json(json, source, ErrorCode::invalid_scene, SceneJsonReader::lists(), take);
   if (!tree) return tree.error();
   if (!reader.rest(*tree)) return reader.error();
   if (Status status = check_scene(scene, source); !status) return status.error();

@@ -184,7 +184,7 @@ struct InputFunction {
   InputKind kind;
   void (*act)(const Model& model, State& state, TickLists& tick, const Input& input);
 };
-constexpr std::array<InputFunction, input_kinds.size()> functions{{
+constexpr std::array<InputFunction, input_kinds.size()> input_functions{{
     {InputKind::spawn, do_spawn},
     {InputKind::remove, do_remove},
     {InputKind::impulse, do_impulse},
@@ -229,7 +229,7 @@ void remove_body(State& state, TickLists& tick, std::size_t row) {
 }
 
 void apply_inputs(const Model& model, State& state, TickLists& tick, Real) {
-  for (const Input& input : tick.inputs) info_of(functions, input.kind).act(model, state, tick, input);
+  for (const Input& input : tick.inputs) info_of(input_functions, input.kind).act(model, state, tick, input);
 }
 
 }  // namespace ticktrue::engine::TICKTRUE_PRECISION

@@ -6,22 +6,23 @@
 //   float  ticktrue_sinf(float)   double ticktrue_sin(double)    and in C++   ticktrue::math::sin(x)
 //
 // The same arguments give the same bits with every compiler, optimisation, instruction set and byte order; with and
-// without fused multiply-add, LTO, -march=native. docs/math.md says how this is checked, and gives examples.
-// Every product goes through `ttm_mul`, which ends in an empty asm statement: the compiler has to round the product
-// before it is added. No flag is needed for this file. Your own arithmetic still needs -ffp-contract=off.
+// without fused multiply-add, LTO and -march=native. docs/math.md explains how this is checked, and has examples.
+// Each product is computed by `ttm_mul`, which ends in an empty asm statement: the compiler must round the product
+// before it is added. This file needs no flag. Your own arithmetic needs -ffp-contract=off.
 //
-// Errors are at most, in ulp (units in the last place; 0.5 is a correctly rounded result):
+// The largest errors in ulp (units in the last place; 0.5 is a correctly rounded result):
 //
 //           sin   cos   tan   asin  acos  atan  atan2 exp   log   pow   hypot sqrt
 //   double  0.82  0.82  0.95  0.70  0.65  0.65  0.65  0.51  0.62  0.53  0.51  0.5
-//   float   0.501 of all but sqrt, which is 0.5
+//   float   0.501 for all functions except sqrt (0.5)
 //
-// These bounds are the largest errors seen, rounded up: of doubles against MPFR, of floats over all arguments where
-// there is one argument (tests/math/accuracy.cpp). fmod, remainder, floor, ceil, trunc, round and rint are exact.
+// These bounds are the largest measured errors, rounded up. Doubles were compared with MPFR. Floats with one argument
+// were tested for all arguments (tests/math/accuracy.cpp). fmod, remainder, floor, ceil, trunc, round and rint are
+// exact.
 //
-// Domains are whole: arguments of sine, cosine and tangent are reduced exactly up to the largest float and double.
-// Special values are those of C11, annex F, with two differences: a NaN is always the positive quiet one without
-// payload, and errno and the exception flags mean nothing. Rounding to nearest is assumed, and denormals.
+// Domains are complete: arguments of sine, cosine and tangent are reduced exactly up to the largest float and double.
+// Special values are those of C11, annex F, with two differences. A NaN is always the positive quiet NaN without
+// payload. errno and the exception flags are undefined. Rounding to nearest and denormals are assumed.
 #pragma once
 
 #include <float.h>
@@ -35,7 +36,7 @@
      defined(_M_FP_FAST))
 #error "ticktrue/math.h: fast-math changes results: build without -ffast-math, or define TICKTRUE_MATH_ALLOW_FAST_MATH"
 #endif
-// 16 is 0 with _Float16: what g++ says with -march=native where the CPU has AVX512-FP16.
+// 16 is equal to 0 except for _Float16: g++ defines it with -march=native if the CPU has AVX512-FP16.
 #if defined(__FLT_EVAL_METHOD__) && !defined(TICKTRUE_MATH_ALLOW_EXCESS_PRECISION)
 #if __FLT_EVAL_METHOD__ != 0 && __FLT_EVAL_METHOD__ != 16
 #error "ticktrue/math.h: floats are evaluated in another precision: on i386 build with -msse2 -mfpmath=sse"
@@ -54,7 +55,7 @@ _Static_assert(FLT_RADIX == 2 && FLT_MANT_DIG == 24 && DBL_MANT_DIG == 53,
 #define TTM_SSE2 1
 #endif
 
-// The compiler must have `x` as a rounded double here. One register, no instruction.
+// Forces the compiler to have `x` as a rounded double here. One register, no instruction.
 #if defined(__GNUC__) || defined(__clang__)
 #if defined(TTM_SSE2) && defined(__AVX512F__)
 #define TTM_ROUNDED(x) __asm__("" : "+v"(x))
@@ -126,7 +127,7 @@ static inline float ttm_from_bits_f32(uint32_t bits) {
 #define TTM_INFINITY_BITS 0x7ff0000000000000u
 #define TTM_ONE_BITS 0x3ff0000000000000u
 
-// Hidden from the optimiser: clang 19 makes the root of a negative x, a NaN of any sign, of "x >= 0 ? root(x) : NaN".
+// Hidden from the optimiser: clang 19 turns "x >= 0 ? root(x) : NaN" into the root of a negative x, a NaN of any sign.
 static inline double ttm_nan(void) {
   uint64_t bits = 0x7ff8000000000000u;
   TTM_HIDDEN(bits);
@@ -152,7 +153,7 @@ static inline double ttm_with_sign_of(double magnitude, double sign) {
 static inline double ttm_negate_if(double x, unsigned negate) {
   return ttm_from_bits(ttm_bits(x) ^ ((uint64_t)(negate & 1u) << 63));
 }
-// a if all bits of `which` are set, b if none is.
+// a if all bits of `which` are set, b if no bit is.
 static inline double ttm_select(uint64_t which, double a, double b) {
   return ttm_from_bits((ttm_bits(a) & which) | (ttm_bits(b) & ~which));
 }
@@ -189,7 +190,7 @@ static inline double ttm_upper(double x) {
   return ttm_from_bits(ttm_bits(x) & 0xfffffffff8000000u);
 }
 
-// a b as a pair, to 2^-105 of it. Requires: neither overflow nor underflow.
+// a b as a pair, with a relative error of 2^-105. Requires: no overflow and no underflow.
 static inline ttm_pair ttm_mul_pair(double a, double b) {
   ttm_pair product;
   double a_hi = ttm_upper(a), b_hi = ttm_upper(b);
@@ -236,7 +237,7 @@ static inline double ticktrue_ceil(double x) {
   double rounded = ticktrue_rint(x);
   return rounded < x ? ttm_with_sign_of(rounded + 1.0, x) : rounded;
 }
-// To the nearest integer, ties away from zero. The largest double below 1/2 rounds up 0.5 and nothing below it.
+// To the nearest integer, ties away from zero. The largest double below 1/2 rounds 0.5 up, and no smaller value.
 static inline double ticktrue_round(double x) {
   double magnitude = ttm_abs(x);
   if (!(magnitude < 4503599627370496.0)) return x != x ? ttm_nan() : x;
@@ -276,7 +277,7 @@ static inline float ticktrue_roundf(float x) {
   return ticktrue_copysignf(ticktrue_truncf(magnitude + 0.49999997f), x);
 }
 
-// The instruction, also at -O0, where a built-in calls the library. Requires: x >= 0.
+// The instruction, also at -O0, where a built-in function calls the library. Requires: x >= 0.
 static inline double ttm_sqrt(double x) {
 #if defined(TTM_SSE2)
   __m128d lane = _mm_set_sd(x);
@@ -302,7 +303,7 @@ static inline double ttm_sqrt(double x) {
   __asm__("fsqrt %0, %1" : "=d"(root) : "d"(x));
   return root;
 #elif defined(__GNUC__) || defined(__clang__)
-  return __builtin_sqrt(x);  // WebAssembly has the instruction; a library's root is rounded correctly elsewhere
+  return __builtin_sqrt(x);  // an instruction in WebAssembly; elsewhere the library rounds a root correctly
 #else
 #error "ticktrue/math.h: no square root is known for this compiler and CPU"
 #endif
@@ -310,7 +311,7 @@ static inline double ttm_sqrt(double x) {
 static inline double ticktrue_sqrt(double x) {
   return x >= 0.0 ? ttm_sqrt(x) : ttm_nan();
 }
-// The root of a double has more than twice the digits of a float: rounding twice is rounding once.
+// The root in double has more than twice the digits of a float: rounding it twice equals rounding it once.
 static inline float ticktrue_sqrtf(float x) {
   if (!(x >= 0.0f)) return ttm_nan_f32();
 #if defined(TTM_SSE2)
@@ -320,7 +321,7 @@ static inline float ticktrue_sqrtf(float x) {
 #endif
 }
 
-// x - n y for the integer n that is x / y cut off: exact. `last_bit` is the last bit of n.
+// x - n y for the integer n that is x / y truncated: exact. `last_bit`: the last bit of n.
 static inline double ttm_fmod(double x, double y, unsigned* last_bit) {
   uint64_t a = ttm_bits(x) & ~TTM_SIGN, b = ttm_bits(y) & ~TTM_SIGN;
   *last_bit = 0;
@@ -370,7 +371,7 @@ static inline double ticktrue_remainder(double x, double y) {
   if (rest != rest) return rest;
   double magnitude = ttm_abs(rest), divisor = ttm_abs(y);
   if (divisor > DBL_MAX) return rest;
-  double other = divisor - magnitude;  // rounded, but compares as the exact one does
+  double other = divisor - magnitude;  // rounded, but compares as the exact value does
   if (magnitude > other || (magnitude == other && is_odd)) return ttm_negate_if(ttm_with_sign_of(other, rest), 1);
   return rest;
 }
@@ -418,7 +419,7 @@ static inline float ticktrue_hypotf(float x, float y) {
 
 // --- sine, cosine, tangent ------------------------------------------------------------------------------------------
 
-// 2/pi: 64 zeros, then its bits after the point.
+// 2/pi: 64 zeros, followed by the bits after the binary point.
 static const uint64_t ttm_two_over_pi[21] = {
     0x0000000000000000u, 0xa2f9836e4e441529u, 0xfc2757d1f534ddc0u, 0xdb6295993c439041u, 0xfe5163abdebbc561u,
     0xb7246e3a424dd2e0u, 0x06492eea09d1921cu, 0xfe1deb1cb129a73eu, 0xe88235f52ebb4484u, 0xe99c7026b45f7e41u,
@@ -428,7 +429,7 @@ static const uint64_t ttm_two_over_pi[21] = {
 };
 
 typedef struct ttm_angle {
-  double hi, lo;  // -pi/4 .. pi/4, a little more
+  double hi, lo;  // -pi/4 .. pi/4, or slightly beyond
   unsigned quadrant;
 } ttm_angle;
 
@@ -449,7 +450,7 @@ static inline int ttm_leading_zeros(uint64_t x) {
   return count;
 }
 
-// Any finite |x| >= 2^20. 192 bits of 2/pi are multiplied by x: those above weigh multiples of 4 quadrants.
+// For any finite |x| >= 2^20. 192 bits of 2/pi are multiplied by x: higher bits only add multiples of 4 quadrants.
 // Source: Payne and Hanek, "Radian reduction for trigonometric functions", 1983.
 static inline ttm_angle ttm_reduce_large(double x) {
   uint64_t bits = ttm_bits(x) & ~TTM_SIGN;
@@ -495,7 +496,7 @@ static inline ttm_angle ttm_reduce_large(double x) {
   return angle;
 }
 
-// Any finite x, |x| > pi/4: x - k pi/2. The parts of pi/2 have 33 bits, so their products with k < 2^20 are exact.
+// For any finite x, |x| > pi/4: x - k pi/2. The parts of pi/2 have 33 bits: their products with k < 2^20 are exact.
 // Source: Cody and Waite, "Software Manual for the Elementary Functions", 1980.
 static inline ttm_angle ttm_reduce(double x) {
   ttm_angle angle;
@@ -506,7 +507,7 @@ static inline ttm_angle ttm_reduce(double x) {
   angle.quadrant = (unsigned)integer;
   angle.hi = a - b;
   angle.lo = ((a - angle.hi) - b) - ttm_mul(k, 2.0222662487959506e-21);
-  if (ttm_abs(angle.hi) < 0.000244140625 || ttm_abs(x) > 8192.0) {  // cancellation: one part more
+  if (ttm_abs(angle.hi) < 0.000244140625 || ttm_abs(x) > 8192.0) {  // cancellation: one more part is needed
     ttm_pair first = ttm_two_sum(a, -b), second = ttm_two_sum(first.hi, -ttm_mul(k, 2.0222662487111665e-21));
     ttm_pair sum = ttm_fast_two_sum(second.hi, (first.lo + second.lo) - ttm_mul(k, 8.4784276603688996e-32));
     angle.hi = sum.hi;
@@ -524,7 +525,7 @@ static inline ttm_angle ttm_quadrant(double x) {
   return angle;
 }
 
-// What is added to t for sin(t + lo). z = t^2.
+// The correction to t for sin(t + lo). z = t^2.
 static inline double ttm_sin_rest(double t, double lo, double z) {
   double z2 = ttm_mul(z, z), v = ttm_mul(z, t);
   double p = (-0.16666666666666632 + ttm_mul(0.0083333333333224131, z)) +
@@ -565,7 +566,7 @@ static inline double ticktrue_cos(double x) {
   double result = (angle.quadrant & 1u) ? ttm_sin_kernel(angle.hi, angle.lo) : ttm_cos_kernel(angle.hi, angle.lo);
   return ttm_negate_if(result, (angle.quadrant + 1u) >> 1);
 }
-// Both at once, each with the bits of its own function.
+// Both at once, with the same bits as the separate functions.
 static inline void ticktrue_sincos(double x, double* sine, double* cosine) {
   if (!(ttm_abs(x) <= DBL_MAX)) {
     *sine = *cosine = ttm_nan();
@@ -607,7 +608,7 @@ static const double ttm_sin_cos_table[8] = {
     -0.16666666641608416, 0.0083333293836972966,  -0.00019839334107972148, 2.718304384484871e-06,    // sine
     0.041666666622790151, -0.0013888883750139628, 2.4799519138962085e-05,  -2.7210165233921279e-07,  // cosine
 };
-// sin(t + quadrant pi/2), without a branch: which quadrant comes next is hard to predict.
+// sin(t + quadrant pi/2), without a branch: the quadrant is hard to predict.
 static inline double ttm_sin_f32(double t, unsigned quadrant) {
   const double* c = ttm_sin_cos_table + 4 * (quadrant & 1u);
   uint64_t is_cosine = 0u - (uint64_t)(quadrant & 1u);
@@ -649,7 +650,7 @@ static inline float ticktrue_tanf(float x) {
 
 // --- exponential ----------------------------------------------------------------------------------------------------
 
-// Of i = 0 .. 127: 2^(i/128) rounded, and what is missing relative to that.
+// For i = 0 .. 127: 2^(i/128) rounded, and its relative error.
 static const uint64_t ttm_exp_table[256] = {
     0x3ff0000000000000u, 0x0000000000000000u, 0x3ff0163da9fb3335u, 0x3c9b3b4f1a88bf6eu, 0x3ff02c9a3e778061u,
     0xbc7160139cd8dc5du, 0x3ff04315e86e7f85u, 0xbc905e7a108766d1u, 0x3ff059b0d3158574u, 0x3c8cd2523567f613u,
@@ -717,7 +718,7 @@ static inline double ttm_exp(double x, double lo) {
                 (r + ttm_mul(r2, (0.49999999999996775 + ttm_mul(0.16666666666665889, r)) +
                                      ttm_mul(r2, 0.041666680870695819 + ttm_mul(0.0083333358504295157, r))));
   uint64_t bits = ttm_exp_table[2 * index];
-  if (exponent >= -960 && exponent <= 1022) {  // lower, the product would have fewer bits
+  if (exponent >= -960 && exponent <= 1022) {  // below, the product would have fewer bits
     double power = ttm_from_bits(bits + ((uint64_t)(int64_t)exponent << 52));
     return power + ttm_mul(power, rest);
   }
@@ -725,7 +726,7 @@ static inline double ttm_exp(double x, double lo) {
     double power = ttm_from_bits(bits + ((uint64_t)(int64_t)(exponent - 1) << 52));
     return ttm_mul(power + ttm_mul(power, rest), 2.0);
   }
-  // Below 2^-1022 a result has fewer bits: it is rounded once, at 1 + result 2^1022.
+  // Below 2^-1022 a result has fewer bits: it is rounded once, as 1 + result 2^1022.
   double power = ttm_from_bits(bits + ((uint64_t)(int64_t)(exponent + 1022) << 52)), small = ttm_mul(power, rest);
   double sum = power + small;
   if (sum < 1.0) {
@@ -742,7 +743,7 @@ static inline double ticktrue_exp(double x) {
   return ttm_exp(x, 0.0);
 }
 
-// e^x of a double for a float. Requires: |x| < 200.
+// e^x in double for a float. Requires: |x| < 200.
 static inline double ttm_exp_f32(double x) {
   int32_t integer;
   double k = ttm_nearest(ttm_mul(x, 184.66496523378731), &integer);
@@ -761,7 +762,7 @@ static inline float ticktrue_expf(float x) {
 
 // --- logarithm ------------------------------------------------------------------------------------------------------
 
-// Of 128 intervals of 0.6875 .. 1.375: 1/c with 9 bits after the point, ln c as a multiple of 2^-42, and the rest.
+// For 128 intervals of 0.6875 .. 1.375: 1/c with 9 bits after the point, ln c as a multiple of 2^-42, and its error.
 static const uint64_t ttm_log_table[384] = {
     0x3ff7380000000000u, 0xbfd7d4eeef5ef000u, 0x3d2c9018f8f27d8fu, 0x3ff7100000000000u, 0xbfd7664e1239e000u,
     0x3d30c4fb6aeb27afu, 0x3ff6f00000000000u, 0xbfd70d42e2789000u, 0xbd21aead337ee287u, 0x3ff6d00000000000u,
@@ -884,7 +885,7 @@ static inline double ticktrue_log(double x) {
   return sum.hi + ((sum.lo + parts.extra) + ttm_mul(r2, -0.5 + ttm_mul(r, p)));
 }
 
-// ln x of a double for a float: to 2^-42 of it. Requires: x is positive, finite and a normal double.
+// ln x in double for a float, with an error of 2^-42. Requires: x is positive, finite and a normal double.
 static inline double ttm_log_f32(double x) {
   uint64_t bits = ttm_bits(x), place = bits - 0x3fe6000000000000u + TTM_ONE_BITS;
   unsigned index = (unsigned)(place >> 45) & 127u;
@@ -906,7 +907,7 @@ static inline float ticktrue_logf(float x) {
 
 // --- powers ---------------------------------------------------------------------------------------------------------
 
-// 0: y is no integer; 1: odd; 2: even.
+// 0: y is not an integer; 1: odd; 2: even.
 static inline int ttm_parity(double y) {
   uint64_t bits = ttm_bits(y) & ~TTM_SIGN;
   int exponent = (int)(bits >> 52);
@@ -918,7 +919,7 @@ static inline int ttm_parity(double y) {
   return ((bits | 0x0010000000000000u) & unit) ? 1 : 2;
 }
 
-// What C11, F.10.4.4, fixes. Returns 1 if x and y are such a case.
+// The cases that C11, F.10.4.4, defines. Returns 1 for such a case.
 static inline int ttm_pow_special(double x, double y, double* result) {
   double magnitude = ttm_abs(x), size = ttm_abs(y);
   if (y == 0.0 || x == 1.0) {
@@ -938,7 +939,7 @@ static inline int ttm_pow_special(double x, double y, double* result) {
   return 1;
 }
 
-// ln x as a pair, to 2^-67 of it. Requires: x is positive and finite.
+// ln x as a pair, with a relative error of 2^-67. Requires: x is positive and finite.
 static inline ttm_pair ttm_log_pair(double x) {
   ttm_log_parts parts = ttm_log_split(x);
   double r = parts.r, r2 = ttm_mul(r, r);
@@ -984,7 +985,7 @@ static inline float ticktrue_powf(float x, float y) {
 
 // --- inverse functions ----------------------------------------------------------------------------------------------
 
-// atan c of c = 2^e (1 + (2 j + 1) / 16), e = -4 .. 3, j = 0 .. 7: rounded, and the rest.
+// atan c for c = 2^e (1 + (2 j + 1) / 16), e = -4 .. 3, j = 0 .. 7: rounded, and its error.
 static const uint64_t ttm_atan_table[128] = {
     0x3fb0f99ea71d52a7u, 0xbc22069feec3624fu, 0x3fb2f719318a4a9au, 0x3c03fd1779b9801fu, 0x3fb4f3fd677292fbu,
     0x3c4008d36264979eu, 0x3fb6f03bdcea4b0du, 0xbc33f00e512fa17du, 0x3fb8ebc54478fb28u, 0x3c4732880cad24ccu,
@@ -1018,7 +1019,7 @@ typedef struct ttm_arc {
   double hi, s, rest;  // hi + s + rest, |s| < 1/16
 } ttm_arc;
 
-// atan s - s, and what is lost of `lo`. |s| < 1/16.
+// atan s - s, and the part of `lo` that is lost. |s| < 1/16.
 static inline double ttm_atan_rest(double s, double lo) {
   double z = ttm_mul(s, s), z2 = ttm_mul(z, z);
   double p = (-0.33333333333333159 + ttm_mul(0.19999999999372328, z)) +
@@ -1030,7 +1031,8 @@ static inline double ttm_atan_rest(double s, double lo) {
 static inline ttm_arc ttm_atan_middle(double y, double x, double ratio) {
   uint64_t bits = ttm_bits(ratio);
   unsigned index = (unsigned)(bits >> 49) - (1019u << 3);
-  double c = ttm_from_bits((bits & 0xfffe000000000000u) | 0x0001000000000000u);  // 5 bits: its products are exact
+  double c =
+      ttm_from_bits((bits & 0xfffe000000000000u) | 0x0001000000000000u);  // 5 bits, so that its products are exact
   double x_hi = ttm_upper(x);
   ttm_arc arc;
   arc.hi = ttm_from_bits(ttm_atan_table[2 * index]);
@@ -1134,7 +1136,7 @@ static inline double ticktrue_acos(double x) {
   return sum.hi + ((sum.lo + 1.2246467991473532e-16) - ttm_mul(2.0, root.lo));
 }
 
-// atan(q) - q relative to q^3, to 2^-34 of q. 0 <= q <= 1.
+// atan(q) - q relative to q^3, with an error of 2^-34 of q. 0 <= q <= 1.
 static inline double ttm_atan_f32(double q) {
   double z = ttm_mul(q, q), z2 = ttm_mul(z, z), z4 = ttm_mul(z2, z2), z8 = ttm_mul(z4, z4);
   double a = (-0.33333332235360047 + ttm_mul(0.19999932196925113, z)) +
@@ -1195,14 +1197,14 @@ static inline float ticktrue_acosf(float x) {
 
 // --- random numbers -------------------------------------------------------------------------------------------------
 
-// PCG32: 16 bytes, which belong to the state of a simulation. Seed and stream give 2^63 sequences of 2^64 numbers.
+// PCG32: 16 bytes, a part of the simulation's state. Seed and stream give 2^63 sequences of 2^64 numbers.
 // Source: O'Neill, "PCG: a family of simple fast space-efficient statistically good algorithms", 2014 (XSH RR 64/32).
 typedef struct ticktrue_random {
   uint64_t state;
   uint64_t increment;  // odd
 } ticktrue_random;
 
-// 0 .. 2^32 - 1, each as likely as the others.
+// 0 .. 2^32 - 1, all equally likely.
 static inline uint32_t ticktrue_random_u32(ticktrue_random* random) {
   uint64_t old = random->state;
   random->state = old * 6364136223846793005u + random->increment;
@@ -1218,12 +1220,12 @@ static inline ticktrue_random ticktrue_random_seeded(uint64_t seed, uint64_t str
   (void)ticktrue_random_u32(&random);
   return random;
 }
-// The first number drawn is the upper half.
+// The number drawn first is the upper half.
 static inline uint64_t ticktrue_random_u64(ticktrue_random* random) {
   uint64_t upper = ticktrue_random_u32(random);
   return (upper << 32) | ticktrue_random_u32(random);
 }
-// 0 .. count - 1, without bias; 0 if count is 0. Draws again in fewer than one of two cases.
+// 0 .. count - 1, without bias; 0 if count is 0. A second draw is needed with a probability below 1/2.
 // Source: Lemire, "Fast random integer generation in an interval", 2019.
 static inline uint32_t ticktrue_random_below(ticktrue_random* random, uint32_t count) {
   uint64_t product = (uint64_t)ticktrue_random_u32(random) * count;
@@ -1233,7 +1235,7 @@ static inline uint32_t ticktrue_random_below(ticktrue_random* random, uint32_t c
   }
   return (uint32_t)(product >> 32);
 }
-// low .. high, both included. Requires: low <= high.
+// low .. high, inclusive. Requires: low <= high.
 static inline int32_t ticktrue_random_between(ticktrue_random* random, int32_t low, int32_t high) {
   uint32_t count = (uint32_t)high - (uint32_t)low + 1u;
   uint32_t offset = count == 0 ? ticktrue_random_u32(random) : ticktrue_random_below(random, count);
@@ -1270,11 +1272,11 @@ static inline int ticktrue_total_orderf(float a, float b) {
   return (x > y) - (x < y);
 }
 
-// < 0: a goes before b; > 0: after; 0: they keep their order.
+// < 0: a is before b; > 0: after; 0: they keep their order.
 typedef int (*ticktrue_compare)(const void* a, const void* b, void* user);
 
-// Stable: rows that compare equal keep their order, so the result follows from rows and comparison alone.
-// `buffer` has room for count rows of `size` bytes.
+// Stable: rows that compare equal keep their order. So the result depends only on rows and comparison.
+// `buffer`: capacity for count rows of `size` bytes.
 static inline void ticktrue_sort(void* rows, size_t count, size_t size, ticktrue_compare compare, void* user,
                                  void* buffer) {
   unsigned char *from = (unsigned char*)rows, *to = (unsigned char*)buffer;
@@ -1360,7 +1362,8 @@ static inline void sincos(double x, double& sine, double& cosine) {
   ticktrue_sincos(x, &sine, &cosine);
 }
 
-// `ticktrue_random` as an object. Also a generator for std::shuffle and such, whose results differ between libraries.
+// `ticktrue_random` as an object. It is also a generator for std::shuffle and others, whose results differ between
+// libraries.
 class Random {
  public:
   explicit Random(std::uint64_t seed, std::uint64_t stream = 0) : state(ticktrue_random_seeded(seed, stream)) {}
@@ -1374,7 +1377,7 @@ class Random {
   ticktrue_random state;
 };
 
-// Each order of the rows is as likely as the others. At most 2^32 - 1 rows.
+// All orders of the rows are equally likely. At most 2^32 - 1 rows.
 template <class Iterator>
 void shuffle(Iterator first, Iterator last, Random& random) {
   using Distance = typename std::iterator_traits<Iterator>::difference_type;
@@ -1384,7 +1387,7 @@ void shuffle(Iterator first, Iterator last, Random& random) {
   }
 }
 
-// < for all types; the total order for float and double.
+// < for all types, but the total order for float and double.
 struct TotalLess {
   template <class T>
   bool operator()(const T& a, const T& b) const {
@@ -1394,7 +1397,7 @@ struct TotalLess {
   bool operator()(double a, double b) const { return ttm_order_key(a) < ttm_order_key(b); }
 };
 
-// Stable, as ticktrue_sort. Rows can be moved and made without arguments.
+// Stable, as ticktrue_sort. Rows must be movable and default-constructible.
 template <class Iterator, class Less>
 void sort(Iterator first, Iterator last, Less less) {
   using Row = typename std::iterator_traits<Iterator>::value_type;

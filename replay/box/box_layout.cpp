@@ -1,4 +1,5 @@
-// Every size is checked against the others before anything is read by it.
+// Divides a black box into head and slots, and decodes its header. Each size is checked before anything is read with
+// it.
 // SPDX-License-Identifier: MIT
 #include "replay/box/box_layout.h"
 
@@ -10,7 +11,7 @@ namespace ticktrue::replay {
 namespace {
 
 constexpr std::uint16_t slot_count_default = 8;
-constexpr std::size_t checked_size = 40 - 8;  // of the header: before its check
+constexpr std::size_t checked_size = 40 - 8;  // bytes of the header before its check
 
 }  // namespace
 

@@ -1,4 +1,4 @@
-// The order of the stores is what recovery relies on.
+// Writes the slots of a black box. Recovery relies on the order of the stores.
 // SPDX-License-Identifier: MIT
 #include "replay/box/box_writer.h"
 
@@ -25,7 +25,7 @@ std::string with_ending(const std::string& path, const char* ending) {
 
 }  // namespace
 
-/// As a store of its own, behind all stores before it: least significant byte first.
+/// Stores the value, least significant byte first, after all earlier stores.
 void BoxWriter::store(std::size_t offset, std::uint64_t value, std::size_t size) {
   ByteWriter bytes;
   bytes.u64(value);
@@ -42,7 +42,7 @@ void BoxWriter::store(std::size_t offset, std::uint64_t value, std::size_t size)
   compiler::full_fence();
 }
 
-/// An older box goes: one that was closed is removed, one that a crash left is renamed.
+/// Moves an older box away: a box that was closed is removed, a box that a crash left is renamed.
 Status BoxWriter::make_place() {
   if (const Status status = check_output(path_); !status) return status;
   std::error_code failure;
@@ -73,7 +73,7 @@ Status BoxWriter::create(ByteView head) {
   if (const Status status = make_place(); !status) return status;
   layout_.head_size = static_cast<std::uint32_t>(head.size());
   seed_ = hash64(head);
-  // Under another name until it is whole.
+  // The file has another name until it is complete.
   const std::string fresh = with_ending(path_, ".new");
   std::error_code failure;
   fs::remove(system_path(fresh), failure);
@@ -89,7 +89,7 @@ Status BoxWriter::create(ByteView head) {
   return {};
 }
 
-/// What the writer gives first: the same for every slot.
+/// Takes the first bytes of the writer. They are the same for every slot.
 Status BoxWriter::take_head(ByteView bytes) {
   takes_head_ = false;
   if (!file_) {
@@ -98,7 +98,7 @@ Status BoxWriter::take_head(ByteView bytes) {
     return Error{ErrorCode::inconsistent, path_ + ": another setup than at the begin of the box", ""};
   }
   current_ = static_cast<std::size_t>(generation_ % layout_.slot_count);
-  store(0, 0, 8);  // it holds nothing from here on
+  store(0, 0, 8);  // from here on the slot is empty
   store(box_committed_offset, 0, 4);
   ++generation_;
   ByteWriter header;
@@ -131,7 +131,7 @@ Result<TraceWriter> BoxWriter::begin_slot(const TraceSetup& setup, const BuildFa
   takes_head_ = true;
   begins_at_ = tick;
   WriterOptions options;
-  options.compress = false;  // a copy costs a hundredth of compressing it
+  options.compress = false;  // copying costs a hundredth of compressing
   options.sync = false;
   options.allow_third = true;
   Result<TraceWriter> writer =

@@ -1,8 +1,8 @@
-// Writes a black box: a file of fixed size with the last stretch of a session, which a killed process leaves behind.
+// Writes a black box: a file of fixed size with the last ticks of a session. A killed process leaves it readable.
 // SPDX-License-Identifier: MIT
 //
-// Each slot is the body of a trace that begins at a checkpoint. Bytes are copied into the mapped file, and then counted
-// as committed: a process that is killed between two stores leaves what was committed before.
+// Each slot is the body of a trace that begins at a checkpoint. Bytes are copied into the mapped file first, and
+// counted as committed afterwards. A process that is killed between two stores leaves the committed bytes.
 #pragma once
 
 #include <cstdint>
@@ -20,32 +20,33 @@ namespace ticktrue::replay {
 
 class BoxWriter {
  public:
-  /// Nothing is created yet.
+  /// Creates no file yet.
   BoxWriter(std::string path, BoxLayout layout) : path_(std::move(path)), layout_(layout) {}
   BoxWriter(const BoxWriter&) = delete;
   BoxWriter& operator=(const BoxWriter&) = delete;
 
-  /// Begins the next slot; what was in it is gone. The writer writes into it, until the next slot begins; its first
-  /// call is checkpoint(). The first slot creates the file. Errors: io (the path, the disk), limit (the setup), usage.
+  /// Begins the next slot and erases its content. The returned writer writes into the slot until the next slot begins.
+  /// Its first call is checkpoint(). The first slot creates the file. Errors: io (the path, the disk), limit (the
+  /// setup), usage.
   Result<TraceWriter> begin_slot(const TraceSetup& setup, const BuildFacts& facts, std::uint64_t tick, double time_s);
-  /// The first checkpoint of the slot is whole: from now on the slot counts.
+  /// Marks the slot as valid. Requires: the first checkpoint of the slot is complete.
   void publish();
 
-  /// Something did not fit into the slot: nothing more is written to it.
+  /// Whether a write did not fit into the slot. Then nothing more is written to the slot.
   bool is_full() const { return is_full_; }
   std::uint64_t room() const { return layout_.slot_size - box_slot_header_size - committed_; }
-  /// Of all slots, as far as they were written in this one.
+  /// Bytes written to slots since the box was created.
   std::uint64_t written_size() const { return written_size_; }
-  /// Bytes that the last call which did not fit would have needed in the slot.
+  /// Bytes of the slot that the last write needed, also if it did not fit.
   std::uint64_t wanted_size() const { return wanted_size_; }
   std::uint64_t file_size() const { return layout_.file_size(); }
   std::uint64_t slot_size() const { return layout_.slot_size; }
-  /// The first tick that is held.
+  /// The first tick in the box.
   std::uint64_t first_tick() const;
-  /// What was done with an older box at the path; empty: nothing.
+  /// What happened to an older box at the path; empty: nothing.
   const std::string& note() const { return note_; }
 
-  /// The session ended by itself.
+  /// Marks the box as closed by its session.
   void close();
 
  private:
@@ -65,7 +66,7 @@ class BoxWriter {
   std::uint64_t committed_ = 0;
   std::uint64_t written_size_ = 0;
   std::uint64_t wanted_size_ = 0;
-  std::vector<std::uint64_t> first_ticks_;  // of the slots that count, the oldest first
+  std::vector<std::uint64_t> first_ticks_;  // of the valid slots, the oldest first
   std::uint64_t begins_at_ = 0;
   bool takes_head_ = false;
   bool is_full_ = false;

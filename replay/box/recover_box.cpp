@@ -1,4 +1,4 @@
-// Head and slot are a truncated trace: the reader of traces reads it.
+// Recovers a black box. The reader of traces reads each slot, because head and slot are a truncated trace.
 // SPDX-License-Identifier: MIT
 #include "replay/box/recover_box.h"
 
@@ -19,14 +19,14 @@
 namespace ticktrue::replay {
 namespace {
 
-/// What a slot holds, as far as its bytes prove it.
+/// The content of a slot, as far as its bytes prove it.
 struct Slot {
   std::size_t number = 0;
   std::uint64_t generation = 0;
   std::uint32_t committed = 0;
   std::uint64_t first_tick = 0;
   std::uint64_t first_root = 0;  // of its first checkpoint
-  std::uint64_t last_root = 0;   // of its last tick; without one, of the checkpoint
+  std::uint64_t last_root = 0;   // of its last tick; if it has no tick, of the checkpoint
   std::uint64_t end = 0;         // first tick + ticks
   bool is_damaged = false;
   std::string message;
@@ -52,7 +52,7 @@ class Box {
     return box;
   }
 
-  /// Head and slot as one trace.
+  /// Returns head and slot as one trace.
   const Bytes& trace_of(const Slot& slot) {
     Bytes body;
     file_.read(layout_.slot_offset(slot.number) + box_slot_header_size, slot.committed, body);
@@ -61,7 +61,7 @@ class Box {
     return bytes_;
   }
 
-  /// The slots with something in them, by generation.
+  /// Returns the non-empty slots, by generation.
   std::vector<Slot> slots(std::vector<std::string>& left_out) {
     const std::uint64_t seed = hash64(head_);
     std::vector<Slot> found;
@@ -92,7 +92,7 @@ class Box {
  private:
   Box(std::string path, InputFile file) : path_(std::move(path)), file_(std::move(file)) {}
 
-  /// Empty: it has a checkpoint that begins it.
+  /// Reads the slot. Returns why the slot is useless; empty: it begins with a checkpoint.
   std::string examine(Slot& slot, std::uint64_t first_tick) {
     Result<TraceReader> reader = TraceReader::open_bytes(trace_of(slot), path_);
     if (!reader) return reader.error().message;
@@ -130,7 +130,7 @@ bool is_joint(const Slot& before, const Slot& after) {
          before.last_root == after.first_root;
 }
 
-/// The slots that go on from each other up to the last one.
+/// The longest run of contiguous slots that ends with the last slot.
 std::vector<Slot> last_run(std::vector<Slot> slots, std::vector<std::string>& left_out) {
   std::size_t first = slots.size() - 1;
   while (first > 0 && is_joint(slots[first - 1], slots[first])) --first;
@@ -141,7 +141,7 @@ std::vector<Slot> last_run(std::vector<Slot> slots, std::vector<std::string>& le
   return {slots.begin() + static_cast<std::ptrdiff_t>(first), slots.end()};
 }
 
-/// All but a checkpoint with which the slot before ended.
+/// Copies a slot, without a checkpoint that the slot before ended with.
 Status copy_slot(TraceReader& reader, std::optional<std::uint64_t>& last_checkpoint, TraceWriter& writer,
                  RecoveredBox& recovered) {
   for (;;) {

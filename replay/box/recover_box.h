@@ -1,4 +1,4 @@
-// Makes a complete trace of a black box.
+// Makes a complete trace from a black box.
 // SPDX-License-Identifier: MIT
 #pragma once
 
@@ -11,25 +11,25 @@
 
 namespace ticktrue::replay {
 
-/// Whether the file begins as a black box. False also where it cannot be read.
+/// Whether the file begins as a black box. False also if the file cannot be read.
 bool is_box_file(const std::string& path);
 
 struct RecoveredBox {
   RecoverResult result;
   std::uint64_t first_tick = 0;
   bool was_closed = false;            // by its session
-  bool has_save = false;              // at the first checkpoint: it can be run again from there
-  std::vector<std::string> left_out;  // slots that are not in the trace, and why
+  bool has_save = false;              // of the first checkpoint: a run can begin there
+  std::vector<std::string> left_out;  // slots that the trace lacks, and why
 };
 
-/// Copies the slots that go on from each other up to the last tick; of a damaged one what stands before the damage.
-/// Reads one slot at a time; no more than the file has is held. No file is written where no tick is intact. Errors: io;
-/// corrupt (no slot can be read), incompatible, usage (the output is the box).
+/// Copies the contiguous slots up to the last tick. Of a damaged slot, the part before the damage is copied. Only one
+/// slot at a time is in memory. No file is written if no tick is intact. Errors: io; corrupt (no slot can be read),
+/// incompatible, usage (the output is the box).
 Result<RecoveredBox> recover_box(const std::string& input, const std::string& output, bool overwrite);
 
-/// The same of the box of a session that goes on: the trace ends as a complete one, behind the last whole tick.
+/// Does the same for the box of a running session. The trace ends as a complete trace, after the last complete tick.
 Result<RecoveredBox> save_box(const std::string& input, const std::string& output, bool overwrite);
-/// The same into memory.
+/// Returns the trace as bytes.
 Result<Bytes> save_box(const std::string& input);
 
 }  // namespace ticktrue::replay

@@ -12,35 +12,35 @@
 
 namespace ticktrue::replay {
 
-/// Refuses paths to which no trace can be written, without changes: an empty name, a directory, a device, a pipe, a
-/// link to nothing, a file that another process is recording to. An existing file of another kind is not refused.
+/// Refuses paths to which no trace can be written: an empty name, a directory, a device, a pipe, a link to nothing, a
+/// file that another process is recording to. Changes nothing. An existing file of another kind is not refused.
 /// Errors: io.
 Status check_output(const std::string& path);
 
-/// A file that only grows, locked against other recorders. Each append is in the hands of the operating system when it
+/// An append-only file, locked against other recorders. The operating system has the bytes of an append when the call
 /// returns.
 class OutputFile {
  public:
   /// With `overwrite`, an existing file is renamed to `<path>.old`. Errors: io, and what check_output refuses.
   static Result<OutputFile> create(const std::string& path, bool overwrite);
-  /// No file: what is appended goes to the call, and all else does nothing. `path` is for messages.
+  /// An output without a file: each append calls `call`, and the other functions do nothing. `path` is for messages.
   static OutputFile to(const std::string& path, std::function<Status(ByteView)> call);
   OutputFile(OutputFile&& other) noexcept;
   OutputFile& operator=(OutputFile&& other) noexcept;
   ~OutputFile();
 
   Status append(ByteView bytes);
-  /// To the disk itself.
+  /// Waits until the bytes are on the disk.
   Status sync();
-  /// Refuses a file that was removed, replaced or written to by others since create. Errors: io.
+  /// Refuses a file that another process removed, replaced or wrote to since create. Errors: io.
   Status check_in_place() const;
-  /// check_in_place, closes, and removes what was overwritten.
+  /// Calls check_in_place, closes the file, and removes the overwritten file.
   Status commit();
-  /// Closes, removes the file (if it is still this one) and puts back what was overwritten.
+  /// Closes and removes the file (if it is still this file), and restores the overwritten file.
   void discard();
 
   const std::string& path() const { return path_; }
-  /// Path of the overwritten file until commit or discard; empty if there was none.
+  /// Path of the overwritten file until commit or discard; empty: no file was overwritten.
   const std::string& old_path() const { return old_path_; }
 
  private:
@@ -50,13 +50,13 @@ class OutputFile {
   void close();
   std::string path_;
   std::string old_path_;
-  std::function<Status(ByteView)> call_;  // instead of a file; may be empty
+  std::function<Status(ByteView)> call_;  // called instead of a file; may be empty
   std::uint64_t size_ = 0;                // bytes appended
   int descriptor_ = -1;
   int old_descriptor_ = -1;  // of the overwritten file, locked
 };
 
-/// Bytes to read: a regular file, or memory that must outlive this.
+/// Bytes to read: a regular file, or memory that outlives this object.
 class InputFile {
  public:
   /// Errors: io.
@@ -66,20 +66,20 @@ class InputFile {
   InputFile& operator=(InputFile&& other) noexcept;
   ~InputFile();
 
-  /// Size when it was opened.
+  /// Size at the time of opening.
   std::uint64_t size() const { return size_; }
-  /// Whether the file is unchanged since it was opened. Errors: io.
+  /// Checks that the file is unchanged since it was opened. Errors: io.
   Status check_unchanged(const std::string& path) const;
-  /// Ignores all bytes after the first `size_max` from now on.
+  /// From now on, ignores all bytes after the first `size_max`.
   void cut(std::uint64_t size_max) { size_ = size_max < size_ ? size_max : size_; }
-  /// Fills `out` with at most `size` bytes from `offset`; fewer only where the file ends or cannot be read.
+  /// Fills `out` with at most `size` bytes from `offset`. Fewer bytes: the file ends, or cannot be read.
   void read(std::uint64_t offset, std::size_t size, Bytes& out);
 
  private:
   InputFile() = default;
   ByteView memory_;
   std::uint64_t size_ = 0;
-  // When it was opened.
+  // At the time of opening.
   std::uint64_t opened_size_ = 0;
   std::int64_t modified_ns_ = 0;
   std::int64_t changed_ns_ = 0;

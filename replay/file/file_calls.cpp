@@ -37,7 +37,7 @@ namespace ticktrue::replay {
 #ifdef _WIN32
 namespace {
 
-/// Nothing: the bytes are no text of that code page.
+/// Nothing: the bytes are not valid text of this code page.
 std::optional<std::wstring> decode(const std::string& text, unsigned code_page) {
   if (text.empty()) return std::wstring();
   const int size = static_cast<int>(text.size());
@@ -139,7 +139,7 @@ Error io_error(const std::string& path, const std::string& action, int code) {
 }
 
 Error io_error(const std::string& path, const std::string& action, const std::error_code& code) {
-  // Numbers of Windows are not those of errno.
+  // Error numbers of Windows differ from errno.
   return io_error(path, action, code.default_error_condition().value());
 }
 
@@ -218,7 +218,7 @@ bool is_same_file([[maybe_unused]] const FileFacts& a, [[maybe_unused]] const Fi
 
 namespace {
 
-// A test whether a file is locked holds the lock for at most this long.
+// A test for a lock holds the lock for at most this long.
 constexpr int lock_tries_max = 10;
 constexpr std::chrono::milliseconds lock_pause{10};
 
@@ -234,7 +234,7 @@ std::string command_name(const std::string& process) {
   return name;
 }
 
-/// The process of a line of /proc/locks about this file: "1: FLOCK  ADVISORY  WRITE 4711 08:01:1234 0 EOF".
+/// The process in a line of /proc/locks about this file: "1: FLOCK  ADVISORY  WRITE 4711 08:01:1234 0 EOF".
 std::string lock_process(const FileFacts& file) {
   std::ifstream in("/proc/locks");
   for (std::string line; std::getline(in, line);) {
@@ -257,7 +257,7 @@ std::string lock_process(const FileFacts& file) {
 
 #ifdef _WIN32
 
-/// A byte behind the end of every file: locks of Windows keep other processes from the bytes they are on.
+/// A byte after the end of every file. A lock on Windows keeps other processes from the locked bytes.
 OVERLAPPED lock_place() {
   OVERLAPPED place{};
   place.OffsetHigh = 0x7fffffff;

@@ -1,4 +1,4 @@
-// Portable wrappers of the operating system's file calls. Used by replay/ and the store of verdicts.
+// Portable wrappers of the operating system's file calls, for replay/ and the store of verdicts.
 // SPDX-License-Identifier: MIT
 #pragma once
 
@@ -13,21 +13,21 @@
 
 namespace ticktrue::replay {
 
-// One call may transfer less than 2 GiB on every system; a smaller bound keeps the loops simple.
+// On every system, one call transfers less than 2 GiB. A smaller limit keeps the loops simple.
 inline constexpr std::size_t transfer_size_max = 64u << 20;
 
-/// The path as UTF-8. On Windows, a path that is no UTF-8 is read in the code page of the process: the arguments of a C
-/// program come so. Elsewhere: the same bytes.
+/// The path as UTF-8. Windows: a path that is not valid UTF-8 is decoded with the code page of the process, because
+/// arguments of a C program use it. Elsewhere: the same bytes.
 std::string utf8_path(const std::string& path);
 
-/// A path of UTF-8 for std::filesystem, which on Windows reads narrow text byte by byte.
+/// Converts a UTF-8 path for std::filesystem, which on Windows does not read narrow text as UTF-8.
 std::filesystem::path system_path(const std::string& path);
 
-/// -1: see errno. Flags are those of open(2). On every system the path is UTF-8 and no line end is changed.
+/// -1: see errno. Flags are the flags of open(2). On every system the path is UTF-8 and line ends stay unchanged.
 int open_file(const std::string& path, int flags);
-/// A new file, for reading and writing, that may be renamed while it is open. -1: see errno.
+/// Creates a file for reading and writing that can be renamed while it is open. -1: see errno.
 int create_movable_file(const std::string& path);
-/// -1: see errno; otherwise the number of bytes, which may be less.
+/// Returns the number of bytes written, which may be less than `size`; -1: see errno.
 std::int64_t write_some(int descriptor, const std::uint8_t* data, std::size_t size);
 std::int64_t read_some(int descriptor, std::uint8_t* data, std::size_t size, std::uint64_t offset);
 int sync_file(int descriptor);
@@ -36,7 +36,7 @@ int close_file(int descriptor);
 Error io_error(const std::string& path, const std::string& action, int code);
 Error io_error(const std::string& path, const std::string& action, const std::error_code& code);
 
-/// Which file it is, and in which state.
+/// The identity and the version of a file.
 struct FileFacts {
   std::uint64_t device = 0;
   std::uint64_t inode = 0;
@@ -46,14 +46,14 @@ struct FileFacts {
 };
 std::optional<FileFacts> file_facts(int descriptor);
 std::optional<FileFacts> file_facts(const std::string& path);
-/// Always true on Windows, where an open file can be neither removed nor replaced.
+/// Always true on Windows: an open file can be neither removed nor replaced.
 bool is_same_file(const FileFacts& a, const FileFacts& b);
 
-/// Takes the lock that every recorder takes on the file it writes: false if another process has it. True also
-/// where the file system has no locks. Ends with the descriptor, or unlock_file.
+/// Takes the lock that a recorder holds on its file. False: another process has the lock. True also if the file system
+/// has no locks. The lock ends when the descriptor is closed, or with unlock_file.
 bool lock_file(int descriptor);
 void unlock_file(int descriptor);
-/// Who has the lock: "process 4711 (ticktrue)", or "another process" where the system does not say.
+/// The owner of the lock: "process 4711 (ticktrue)", or "another process" if the system does not report it.
 std::string lock_holder(int descriptor);
 
 }  // namespace ticktrue::replay

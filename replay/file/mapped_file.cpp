@@ -1,4 +1,4 @@
-// mmap of POSIX, sections of Windows. Elsewhere the option is refused.
+// Maps files: mmap of POSIX, sections of Windows. Other systems refuse.
 // SPDX-License-Identifier: MIT
 #ifndef _FILE_OFFSET_BITS
 #define _FILE_OFFSET_BITS 64  // boxes beyond 2 GiB on 32-bit machines
@@ -32,7 +32,8 @@ MappedFile::MappedFile(MappedFile&& other) noexcept
 #ifdef TICKTRUE_HAS_MMAP
 namespace {
 
-/// 0, or an error number. Reserved pages cannot run out later, when a store would end the process.
+/// Returns 0 or an error number. A store into a page without disk space would end the process: pages are reserved
+/// first.
 int reserve(int descriptor, std::uint64_t size) {
 #ifdef __linux__
   return ::posix_fallocate(descriptor, 0, static_cast<off_t>(size));
@@ -79,19 +80,19 @@ Result<MappedFile> MappedFile::create(const std::string& path, std::uint64_t siz
   if (file.descriptor_ < 0) return io_error(path, "cannot create", errno);
   const auto give_up = [&](const std::string& action) -> Error {
     const std::error_code code(static_cast<int>(::GetLastError()), std::system_category());
-    close_file(std::exchange(file.descriptor_, -1));  // an open file cannot be removed there
+    close_file(std::exchange(file.descriptor_, -1));  // Windows cannot remove an open file
     std::error_code ignored;
     std::filesystem::remove(system_path(path), ignored);
     return io_error(path, action, code);
   };
-  // A section as large as asked: the file grows to it, and its pages are reserved.
+  // The section has the requested size: the file grows to this size, and its pages are reserved.
   const auto handle = reinterpret_cast<HANDLE>(::_get_osfhandle(file.descriptor_));
   const HANDLE section = ::CreateFileMappingW(handle, nullptr, PAGE_READWRITE, static_cast<DWORD>(size >> 32),
                                               static_cast<DWORD>(size), nullptr);
   if (section == nullptr) return give_up("cannot reserve " + std::to_string(size) + " bytes");
   void* at = ::MapViewOfFile(section, FILE_MAP_READ | FILE_MAP_WRITE, 0, 0, static_cast<SIZE_T>(size));
   const DWORD failure = ::GetLastError();
-  ::CloseHandle(section);  // the view holds it
+  ::CloseHandle(section);  // the view keeps the section open
   ::SetLastError(failure);
   if (at == nullptr) return give_up("cannot map");
   file.data_ = static_cast<std::uint8_t*>(at);

@@ -1,4 +1,4 @@
-// A file of fixed size that is mapped into memory and shared: what is stored in it outlives the process.
+// A shared mapped file of fixed size: bytes stored in it survive the process.
 // SPDX-License-Identifier: MIT
 #pragma once
 
@@ -12,7 +12,7 @@ namespace ticktrue::replay {
 
 class MappedFile {
  public:
-  /// Creates `path`, which must not exist, with all its bytes 0 and reserved on disk, locked as by a recorder.
+  /// Creates `path`, which must not exist. All bytes are 0 and reserved on disk. The file is locked as by a recorder.
   /// Errors: io; unsupported (a platform that cannot map files).
   static Result<MappedFile> create(const std::string& path, std::uint64_t size);
   MappedFile(MappedFile&& other) noexcept;

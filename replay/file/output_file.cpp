@@ -21,7 +21,7 @@ Error busy_error(const std::string& path, int descriptor) {
                "give another name, or let that recording end"};
 }
 
-/// What is at the path, as far as it must not be written to.
+/// Refuses a file that must not be written to.
 Status check_kind(const std::string& path, const fs::file_status& status) {
   const auto refuse = [&](const std::string& found, const std::string& hint) {
     return Error{ErrorCode::io, path + ": cannot write: found " + found + ", expected a file name", hint};
@@ -39,7 +39,7 @@ Status check_kind(const std::string& path, const fs::file_status& status) {
                 "a trace is written to a file: recovery and verification read it at any place");
 }
 
-/// To lock it. Without the right to write, to read: that is enough on local file systems.
+/// Opens a file to lock it. Without write permission it is opened for reading: this suffices on local file systems.
 int open_existing(const std::string& path) {
   const int descriptor = open_file(path, O_RDWR);
   return descriptor >= 0 ? descriptor : open_file(path, O_RDONLY);
@@ -53,7 +53,7 @@ Status check_output(const std::string& path) {
   if (const Status kind = check_kind(path, status); !kind) return kind;
   if (!fs::exists(status)) return {};
   const int descriptor = open_existing(path);
-  if (descriptor < 0) return {};  // told when it is written to
+  if (descriptor < 0) return {};  // the first write reports the error
   const bool is_free = lock_file(descriptor);
   const Error busy = is_free ? Error{} : busy_error(path, descriptor);
   if (is_free) unlock_file(descriptor);
@@ -66,7 +66,7 @@ Result<OutputFile> OutputFile::create(const std::string& path, bool overwrite) {
   const fs::file_status status = fs::status(system_path(path), failure);
   if (const Status kind = check_kind(path, status); !kind) return kind.error();
   OutputFile file;
-  // The target of a link is replaced, not the link.
+  // A link stays; the file that it points to is replaced.
   file.path_ = fs::is_symlink(fs::symlink_status(system_path(path), failure))
                    ? fs::canonical(system_path(path), failure).string()
                    : std::string(path);
@@ -102,7 +102,7 @@ Status OutputFile::set_aside(bool overwrite) {
   if (!overwrite) return Error{ErrorCode::io, path_ + ": exists: it is not overwritten", "use --force to replace it"};
   const std::string aside = path_ + ".old";
   std::error_code failure;
-  // The file may be the last good recording of a recorder that was killed: it is never replaced.
+  // The file can be the last good recording of a killed recorder: it is never replaced.
   if (fs::exists(fs::symlink_status(system_path(aside), failure)))
     return Error{ErrorCode::io, aside + ": exists: it is not overwritten",
                  "--force sets the old file aside under this name while it records; move or remove it first"};
@@ -111,7 +111,7 @@ Status OutputFile::set_aside(bool overwrite) {
   if (locked && (!present || !is_same_file(*locked, *present)))
     return Error{ErrorCode::io, path_ + ": cannot write: another program replaced it just now", "try again"};
 #ifdef _WIN32
-  if (old_descriptor_ >= 0) close_file(std::exchange(old_descriptor_, -1));  // an open file cannot be renamed there
+  if (old_descriptor_ >= 0) close_file(std::exchange(old_descriptor_, -1));  // Windows cannot rename an open file
 #endif
   fs::rename(system_path(path_), system_path(aside), failure);
   if (failure) return io_error(path_, "cannot set aside as " + aside, failure);
@@ -119,7 +119,7 @@ Status OutputFile::set_aside(bool overwrite) {
   return {};
 }
 
-/// Never overwrites an existing file: then both files stay.
+/// Restores the overwritten file. If another file has its name by now, both files stay.
 void OutputFile::put_back() {
   if (old_path_.empty()) return;
   std::error_code failure;
@@ -127,7 +127,7 @@ void OutputFile::put_back() {
   if (!failure)
     fs::remove(system_path(old_path_), failure);
   else if (!fs::exists(fs::symlink_status(system_path(path_), failure)))
-    fs::rename(system_path(old_path_), system_path(path_), failure);  // a file system without hard links
+    fs::rename(system_path(old_path_), system_path(path_), failure);  // for a file system without hard links
   old_path_.clear();
 }
 
@@ -158,7 +158,7 @@ OutputFile::~OutputFile() {
 void OutputFile::close() {
   for (int* descriptor : {&descriptor_, &old_descriptor_}) {
     if (*descriptor < 0) continue;
-    unlock_file(*descriptor);  // a forked process may have it open too
+    unlock_file(*descriptor);  // a forked process may have inherited the descriptor
     close_file(std::exchange(*descriptor, -1));
   }
 }
@@ -186,7 +186,7 @@ Status OutputFile::sync() {
   if (call_) return {};
   while (sync_file(descriptor_) != 0) {
     if (errno == EINTR) continue;
-    if (errno == EINVAL || errno == ENOSYS) return {};  // a file system without it
+    if (errno == EINVAL || errno == ENOSYS) return {};  // the file system has no fsync
     return io_error(path_, "cannot sync", errno);
   }
   return {};
@@ -219,7 +219,7 @@ Status OutputFile::commit() {
     return in_place;
   }
   unlock_file(descriptor_);
-  // Some network file systems report a full disk only here.
+  // Some network file systems report a full disk only when a file is closed.
   if (close_file(std::exchange(descriptor_, -1)) != 0 && errno != EINTR) return io_error(path_, "cannot close", errno);
   std::error_code ignored;
   if (!old_path_.empty()) fs::remove(system_path(old_path_), ignored);
@@ -234,7 +234,7 @@ void OutputFile::discard() {
   const std::optional<FileFacts> there = file_facts(path_);
   const bool is_mine = mine && there && is_same_file(*mine, *there);
 #ifdef _WIN32
-  close();  // an open file cannot be removed there
+  close();  // Windows cannot remove an open file
 #endif
   std::error_code ignored;
   if (is_mine) fs::remove(system_path(path_), ignored);

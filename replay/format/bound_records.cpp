@@ -1,4 +1,4 @@
-// Checks names, marks and notes. docs/trace_format.md, section 20.
+// Checks names, marks and notes. Format: docs/trace_format.md, section 20.
 // SPDX-License-Identifier: MIT
 #include "replay/format/bound_records.h"
 

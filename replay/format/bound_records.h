@@ -1,4 +1,4 @@
-// The rules for records outside of the chain: names, marks, notes.
+// The rules for records outside the chain: names, marks, notes.
 // SPDX-License-Identifier: MIT
 #pragma once
 
@@ -15,9 +15,9 @@ namespace ticktrue::replay {
 /// Checks the bound records of one ticks chunk, in their order.
 class BoundRules {
  public:
-  /// Empty, or why the record may not stand in this tick.
+  /// Returns why the record must not be in this tick; empty: it may.
   std::string check(const Record& record, const TraceSetup& setup, std::uint64_t tick);
-  /// The records behind this belong to the next tick.
+  /// Ends the tick: later records belong to the next tick.
   void end_tick() {
     has_marks_ = false;
     list_size_ = 0;
@@ -28,10 +28,10 @@ class BoundRules {
   std::string check_marks(ByteView body);
   std::string check_mark_list(ByteView body);
 
-  std::size_t size_ = 0;         // bytes of all records of the chunk
-  std::set<std::string> names_;  // of the chunk
+  std::size_t size_ = 0;         // bytes of all records in the chunk
+  std::set<std::string> names_;  // names of marks in the chunk
   bool has_marks_ = false;       // in this tick
-  std::size_t list_size_ = 0;    // in this tick
+  std::size_t list_size_ = 0;    // bytes of mark lists in this tick
 };
 
 }  // namespace ticktrue::replay

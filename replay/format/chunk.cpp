@@ -41,7 +41,7 @@ std::size_t body_size_max(std::uint8_t tag, std::uint16_t version) {
   }
 }
 
-/// Size of the body of a tag without size field; 0 for an unknown tag.
+/// Size of the body of a tag without a size field; 0 for an unknown tag.
 std::size_t fixed_body_size(std::uint8_t tag, std::uint16_t version) {
   switch (static_cast<RecordTag>(tag)) {
     case RecordTag::dt:
@@ -66,8 +66,8 @@ void encode_header_fields(const ChunkHeader& header, ByteWriter& out) {
   out.u64(header.chain);
 }
 
-/// The chain value before, bound to the kind and the place of a chunk. In version 3 the sequence number is left out:
-/// chunks outside of the chain have one too.
+/// The earlier chain value, bound to the kind and the place of a chunk. Version 3 leaves out the sequence number,
+/// because chunks outside the chain have one too.
 std::uint64_t link_of(const ChunkHeader& header, std::uint16_t version) {
   ByteWriter link;
   link.u8(header.kind);
@@ -130,7 +130,7 @@ bool may_begin_chunk(ByteView part, const ChunkHeader& expected, bool knows_tick
   ByteWriter fields;
   encode_header_fields(expected, fields);
   for (std::size_t i = 0; i < part.size() && i < fields.size(); ++i) {
-    // Kind, flags and size are not known before.
+    // Kind, flags and size are unknown in advance.
     const bool is_unknown = i == 4 || i == 5 || (i >= 12 && i < 16) || (!knows_tick && i >= 16 && i < 24);
     if (!is_unknown && part[i] != fields.view()[i]) return false;
   }
@@ -185,7 +185,7 @@ void append_close(std::uint32_t tick_count, Running& running, ByteWriter& out) {
 
 namespace {
 
-/// Checks the whole `record`, which begins `bytes`, and updates the values.
+/// Checks the whole `record` at the start of `bytes`, and updates the running values.
 void check_record(ByteView bytes, Running& running, std::uint16_t version, Record& record) {
   const bool is_close = record.tag == static_cast<std::uint8_t>(RecordTag::close);
   const bool has_outside = version >= format_version_third;
@@ -228,7 +228,7 @@ Record parse_record(ByteView bytes, Running* running, std::uint16_t version) {
     ByteReader in(bytes.subspan(1));
     const std::uint64_t size = in.varint();
     if (!in.ok()) {
-      // Cut off inside the size, or no valid size.
+      // The file ends inside the size field, or the size is invalid.
       bool goes_on = bytes.size() < 11;
       for (std::size_t i = 1; i < bytes.size() && goes_on; ++i) goes_on = (bytes[i] & 0x80) != 0;
       record.fault = goes_on ? RecordFault::ends_early : RecordFault::bad_size;

@@ -21,26 +21,26 @@ inline constexpr std::array<std::uint8_t, 4> sync_marker{0xf5, 'T', 'T', 'C'};
 inline constexpr std::size_t file_header_size = 16;
 inline constexpr std::size_t chunk_header_size = 40;
 inline constexpr std::size_t chunk_trailer_size = 8;
-inline constexpr std::uint32_t streamed_size = 0xffffffffu;  // of a ticks chunk: its records say where it ends
+inline constexpr std::uint32_t streamed_size = 0xffffffffu;  // of a ticks chunk: its records mark its end
 
 inline constexpr std::size_t cells_size_max = 128u << 10;      // 64 KiB of column hashes, 32 KiB of cells, counts
 inline constexpr std::size_t cell_list_size_max = 512u << 10;  // of version 3: 256 KiB of column hashes
 inline constexpr std::size_t input_size_max = 8u << 20;        // bytes of one tick: inputs_per_tick_max of 128 B
-inline constexpr std::uint32_t chunk_tick_count = 1024;        // the writer closes a ticks chunk at so many ticks
-inline constexpr std::size_t chunk_close_size = 256u << 10;    // or at so many bytes
-inline constexpr std::size_t image_part_size = 1u << 20;       // raw bytes of a state image in one chunk
+inline constexpr std::uint32_t chunk_tick_count = 1024;  // the writer closes a ticks chunk after this number of ticks
+inline constexpr std::size_t chunk_close_size = 256u << 10;  // or of bytes
+inline constexpr std::size_t image_part_size = 1u << 20;     // raw bytes of a state image in one chunk
 inline constexpr std::size_t index_entry_count_max = 65'536;
 
-// Of records outside of the chain.
-inline constexpr std::size_t bound_size_max = 4u << 20;  // bytes of a chunk
+// Limits of records outside the chain.
+inline constexpr std::size_t bound_size_max = 4u << 20;  // bytes of these records in a chunk
 inline constexpr std::size_t mark_name_count_max = 1'024;
 inline constexpr std::size_t marks_size_max = 16u << 10;
-inline constexpr std::size_t mark_list_size_max = 1u << 20;  // of a tick
+inline constexpr std::size_t mark_list_size_max = 1u << 20;  // bytes in a tick
 inline constexpr std::size_t topic_size_max = 64;
 inline constexpr std::size_t note_body_size_max = 4'096;
 inline constexpr std::size_t peer_count_max = 255;
 inline constexpr std::size_t peer_root_count_max = 65'536;
-inline constexpr std::size_t peer_row_count_max = 65'536;  // of all its tables
+inline constexpr std::size_t peer_row_count_max = 65'536;  // rows in all tables of a player
 inline constexpr std::size_t peer_rows_size_max = 1u << 20;
 
 enum class ChunkKind : std::uint8_t {
@@ -52,7 +52,7 @@ enum class ChunkKind : std::uint8_t {
   end,
   index,
   footer,
-  shown,  // from here on in version 3
+  shown,  // this and later kinds: version 3
   save,
   peer,
 };
@@ -74,10 +74,10 @@ inline constexpr std::array<ChunkKindInfo, 11> chunk_kinds{{
     {ChunkKind::save, "save", image_part_size + 64},
     {ChunkKind::peer, "peer", 4u << 20},
 }};
-/// Null for a kind that is unknown or private.
+/// Null: the kind is unknown or private.
 const ChunkKindInfo* chunk_kind_info(std::uint8_t kind);
-inline constexpr std::uint8_t private_kind_first = 0x80;  // kinds and tags from here on are skipped by readers
-inline constexpr std::uint8_t bound_tag_first = 64;       // tags from here to the private ones are outside of the chain
+inline constexpr std::uint8_t private_kind_first = 0x80;  // readers skip kinds and tags from here on
+inline constexpr std::uint8_t bound_tag_first = 64;       // tags from here to the private tags are outside the chain
 constexpr bool is_bound_tag(std::uint8_t tag) {
   return tag >= bound_tag_first && tag < private_kind_first;
 }
@@ -86,57 +86,57 @@ struct ChunkHeader {
   std::uint8_t kind = 0;
   std::uint32_t sequence = 0;
   std::uint32_t size = 0;   // bytes of the payload
-  std::uint64_t tick = 0;   // ticks done before this chunk
+  std::uint64_t tick = 0;   // number of ticks before this chunk
   std::uint64_t chain = 0;  // chain value before this chunk
-  std::uint64_t check = 0;  // of the fields above
+  std::uint64_t check = 0;  // checksum of the fields above
 };
 
 void encode_file_header(ByteWriter& out, std::uint16_t version = format_version_first);
-/// Chain value before the first chunk, and seed of the header check of the setup chunk.
+/// The chain value before the first chunk. It is also the seed of the header check of the setup chunk.
 std::uint64_t chain_start(std::uint16_t version = format_version_first);
 
-/// Appends the header; returns its check. `seed` is chain_start() for the setup, else the chain value after the setup.
+/// Appends the header and returns its check. `seed`: chain_start() for the setup, else the chain value after the setup.
 std::uint64_t encode_chunk_header(const ChunkHeader& header, std::uint64_t seed, ByteWriter& out);
-/// Nothing if the marker, the reserved bits or the check are wrong. Requires: chunk_header_size bytes.
+/// Nothing: the marker, the reserved bits or the check are wrong. Requires: chunk_header_size bytes.
 std::optional<ChunkHeader> decode_chunk_header(ByteView bytes, std::uint64_t seed);
-/// Whether the first bytes of a truncated header are valid. `knows_tick`: false where any tick may stand in it.
+/// Whether the first bytes of a truncated header are valid. `knows_tick`: false if the header may have any tick.
 bool may_begin_chunk(ByteView part, const ChunkHeader& expected, bool knows_tick = true);
 
-/// Chain value after a chunk with this content: `fields`, then `data`.
+/// The chain value after a chunk with this content: first `fields`, then `data`.
 std::uint64_t extend_chain(const ChunkHeader& header, ByteView fields, ByteView data,
                            std::uint16_t version = format_version_first);
 
-/// What proves the bytes of a shown image and of a save.
+/// The checksum of the bytes of a shown image or a save.
 std::uint64_t content_hash(ByteView bytes);
 
-/// In the order in which the records of a tick stand; `root` or `root_image` ends it.
+/// In the order of the records of a tick; `root` or `root_image` ends it.
 enum class RecordTag : std::uint8_t {
   dt = 1,
   inputs = 2,
   stages = 3,
   cells = 4,
   root = 5,
-  root_image = 6,  // root, and the image of the state follows in image chunks
+  root_image = 6,  // a root hash; the image of the state follows in image chunks
   close = 15,
-  name = 64,       // of marks: the next name of the chunk
-  marks = 65,      // of a tick: counts and hashes
-  mark_list = 66,  // of a tick: each mark
+  name = 64,       // the next name of marks in the chunk
+  marks = 65,      // counts and hashes of the marks in a tick
+  mark_list = 66,  // each mark in a tick
   note = 67,       // a topic and its text
 };
 
-/// The values that the records of a ticks chunk move.
+/// The values that each record of a ticks chunk updates.
 struct Running {
-  std::uint64_t chained = 0;  // by all records but bound ones; behind the close record the chain value
-  std::uint64_t outside = 0;  // version 3: by bound records and the close record
+  std::uint64_t chained = 0;  // hash of all records but bound records; after the close record the chain value
+  std::uint64_t outside = 0;  // version 3: hash of the bound records and the close record
 };
-/// What they begin as. Requires: the header with its check.
+/// The initial values. Requires: the header with its check.
 Running begin_running(const ChunkHeader& header, std::uint16_t version);
 
 /// Appends a record (not `close`) and updates the running value. A tag with a size field gets the size first.
 void append_record(RecordTag tag, ByteView body, std::uint64_t& running, ByteWriter& out);
 /// Appends the record that closes a ticks chunk; `running` becomes the chain value after it.
 void append_close(std::uint32_t tick_count, std::uint64_t& running, ByteWriter& out);
-/// That of version 3.
+/// The same for version 3.
 void append_close(std::uint32_t tick_count, Running& running, ByteWriter& out);
 
 enum class RecordFault : std::uint8_t {
@@ -145,18 +145,18 @@ enum class RecordFault : std::uint8_t {
   unknown_tag,
   bad_size,
   bad_check,
-  bad_outside,  // the check of a bound record, or that value of a close record: all else is right
+  bad_outside,  // the check of a bound record, or this check of a close record; the other checks are right
 };
 struct Record {
   RecordFault fault = RecordFault::none;
   std::uint8_t tag = 0;
   ByteView body;                  // without tag, size and check
-  std::size_t size = 0;           // of the whole record; with ends_early: how many bytes it takes at least
+  std::size_t size = 0;           // of the whole record; with ends_early: the least size that it can have
   std::uint64_t check_found = 0;  // with bad_check
   std::uint64_t check_expected = 0;
 };
-/// The record at the start of `bytes`. With running values the record is checked; if it is valid, they are updated.
-/// With bad_outside, they are updated as well: the records behind it can be checked.
+/// Parses the record at the start of `bytes`. With running values the record is checked. A valid record updates them. A
+/// record with bad_outside updates them too, so that later records can be checked.
 Record parse_record(ByteView bytes, Running* running, std::uint16_t version = format_version_first);
 
 }  // namespace ticktrue::replay

@@ -1,4 +1,4 @@
-// The identity of a session: what all its players must have in common, whatever each of them stores.
+// The identity of a session: equal for all its players, whatever each player stores.
 // SPDX-License-Identifier: MIT
 #pragma once
 
@@ -10,11 +10,11 @@
 
 namespace ticktrue::replay {
 
-/// The judged schema as the identity has it: in the layout of version 3, with no ranges.
+/// Encodes the judged schema for the identity: in the layout of version 3, without ranges.
 void encode_judged_schema(const StateSchema& schema, ByteWriter& out);
 
-/// Of simulation, version, dt, judged columns and setup bytes; title, detail, features, ranges, shown columns and the
-/// format version do not count. docs/trace_format.md, "Session identity".
+/// Computed from simulation, version, dt, judged columns and setup bytes. Title, detail, features, ranges, shown
+/// columns and the format version do not count. docs/trace_format.md, "Session identity".
 std::uint64_t session_identity(const TraceSetup& setup);
 
 }  // namespace ticktrue::replay

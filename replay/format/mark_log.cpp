@@ -1,4 +1,4 @@
-// Parts with a kind and a size each, so that a part that is cut is known to be.
+// Encodes and decodes the log. Each part has a kind and a size, so that a truncated part is recognised.
 // SPDX-License-Identifier: MIT
 #include "replay/format/mark_log.h"
 
@@ -18,14 +18,14 @@ void put_part(std::uint8_t kind, const ByteWriter& body, ByteWriter& out) {
   out.bytes(body.view());
 }
 
-/// A number of things that follow. More than `max` of them is no log that a session wrote.
+/// Reads a count. A log with more than `max` elements is not from a session.
 std::uint64_t read_count(ByteReader& in, std::uint64_t max) {
   const std::uint64_t count = in.varint();
   if (count > max) in.fail();
   return in.ok() ? count : 0;
 }
 
-/// Index of one of `count` things that came before.
+/// Reads an index of one of `count` earlier elements.
 std::uint32_t checked_index(ByteReader& in, std::uint64_t index, std::size_t count) {
   if (index >= count) in.fail();
   return in.ok() ? static_cast<std::uint32_t>(index) : 0;

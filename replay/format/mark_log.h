@@ -1,4 +1,4 @@
-// The file that a session writes for `ticktrue trail`: the marks of each tick, and of one tick a list with stacks.
+// The file that a session writes for `ticktrue trail`: the marks of each tick, and a list with stacks for one tick.
 // SPDX-License-Identifier: MIT
 #pragma once
 
@@ -13,19 +13,19 @@
 
 namespace ticktrue::replay {
 
-/// Variables that a session reads: the file, the tick whose marks are listed, and the calls that the preload library
-/// marks ("random,libm").
+/// Variables that a session reads: the file, the tick with listed marks, and the calls that the preload library marks
+/// ("random,libm").
 inline constexpr const char* trail_variable = "TICKTRUE_TRAIL";
 inline constexpr const char* trail_tick_variable = "TICKTRUE_TRAIL_TICK";
 inline constexpr const char* calls_variable = "TICKTRUE_CALLS";
 
-/// Limits of a list. A session keeps them; a list that has more is not read.
+/// Limits of a list. A session keeps within the limits; a longer list is refused.
 inline constexpr std::size_t listed_mark_count_max = std::size_t{1} << 20;
-inline constexpr std::size_t listed_stack_count_max = 16'385;  // different ones; the last stands for all others
+inline constexpr std::size_t listed_stack_count_max = 16'385;  // different stacks; the last stands for all others
 inline constexpr std::size_t listed_stack_depth_max = 32;
 inline constexpr std::size_t listed_module_count_max = 4'096;
 
-/// A file of the program, and where it was mapped.
+/// A file that the program had mapped, and its address.
 struct LogModule {
   std::string path;
   std::uint64_t base = 0;
@@ -41,7 +41,7 @@ struct LogFrame {
   bool operator==(const LogFrame&) const = default;
 };
 
-/// Where the marks of a list were made. Empty where the platform does not tell.
+/// The call stacks of the marks in a list. Empty on platforms without stacks.
 struct MarkStacks {
   std::vector<LogModule> modules;
   std::vector<std::vector<LogFrame>> stacks;  // return addresses, the innermost first
@@ -68,7 +68,7 @@ struct MarkLog {
 
 void encode_logged_tick(const LoggedTick& tick, ByteWriter& out);
 void encode_logged_list(const LoggedList& list, ByteWriter& out);
-/// What is whole at the start of `bytes`: a program may have died while it wrote.
+/// Decodes the complete parts at the start of `bytes`. A program that dies can leave an incomplete part.
 MarkLog decode_mark_log(ByteView bytes);
 
 }  // namespace ticktrue::replay

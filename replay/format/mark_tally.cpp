@@ -1,4 +1,4 @@
-// Names are found by their address, then by their text.
+// Counts marks. Names are found by their address first, then by their text.
 // SPDX-License-Identifier: MIT
 #include "replay/format/mark_tally.h"
 
@@ -13,7 +13,7 @@ std::uint32_t MarkTally::find(const char* name) {
   constexpr auto none = static_cast<std::uint32_t>(name_count_max);
   if (name == nullptr) return none;
   MarkSlot& slot = slots_[slot_of(name)];
-  // The text at an address may have changed.
+  // The text at an address can change.
   if (slot.name == name && (slot.is_constant || std::strcmp(name, entries_[slot.entry].name.c_str()) == 0))
     return slot.entry;
   const std::size_t size = ::strnlen(name, limits::name_size_max + 1);

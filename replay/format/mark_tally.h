@@ -1,4 +1,4 @@
-// Counts the marks of the tick that runs, in a few nanoseconds each.
+// Counts the marks of the running tick, in a few nanoseconds each.
 // SPDX-License-Identifier: MIT
 #pragma once
 
@@ -14,16 +14,16 @@
 
 namespace ticktrue::replay {
 
-/// Counts the marks of the tick that runs. add() is for programs that call it thousands of times a tick.
+/// Counts the marks of the running tick. add() is for programs that call it thousands of times per tick.
 class MarkTally {
  public:
-  static constexpr std::size_t name_count_max = 4'096;  // of a session
+  static constexpr std::size_t name_count_max = 4'096;  // in a session
 
-  /// `is_constant`: whether the text at an address stays as it is, as that of a literal does.
+  /// `is_constant`: whether the text at an address never changes, as with a string literal.
   explicit MarkTally(bool (*is_constant)(const char* name)) : is_constant_(is_constant) {}
 
-  /// Counts a mark whose name is a constant that was marked before in this tick. False: it is another, and nothing was
-  /// done.
+  /// Counts a mark, if its name is constant and was marked before in this tick. False: another name; nothing was
+  /// counted.
   bool add_again(const char* name, std::uint64_t value) {
     const MarkSlot& slot = slots_[slot_of(name)];
     if (slot.name != name || !slot.is_constant) return false;
@@ -33,9 +33,9 @@ class MarkTally {
     return true;
   }
 
-  /// Index of the name, or name_count_max where there is no room or the name is null, empty or too long.
+  /// Index of the name. name_count_max: the name is null, empty or too long, or there are too many names.
   std::uint32_t find(const char* name);
-  /// Requires: `entry` is of find() and below name_count_max.
+  /// Requires: find() returned `entry`, and `entry` is below name_count_max.
   void add(std::uint32_t entry, std::uint64_t value) {
     Entry& of_name = entries_[entry];
     if (of_name.count == 0) {
@@ -44,24 +44,24 @@ class MarkTally {
     }
     count(of_name, value);
   }
-  /// A mark has no name here: those of this tick cannot be compared.
+  /// Records a mark whose name has no index. The marks of this tick can then not be compared.
   void leave_out() { is_left_out_ = true; }
 
   const std::string& name(std::uint32_t entry) const { return entries_[entry].name; }
-  /// The marks since the last call, in the order of their first marks; nothing without a mark.
+  /// Returns the marks since the last call, in the order of their first marks; nothing: no mark.
   std::optional<TickMarks> take();
 
  private:
   struct Entry {
     std::string name;
     std::uint64_t key = 0;   // hash of the name
-    std::uint64_t hash = 0;  // of this tick
+    std::uint64_t hash = 0;  // of the values in this tick
     std::uint64_t count = 0;
   };
   struct MarkSlot {
     const char* name = nullptr;
     std::uint32_t entry = 0;
-    bool is_constant = false;  // the text at this address stays as it is: it need not be compared
+    bool is_constant = false;  // the text at this address never changes and need not be compared
   };
   static constexpr std::size_t slot_count = 64;
 

@@ -1,4 +1,4 @@
-// Bodies of the records of marks and notes.
+// Encodes and decodes the bodies of mark and note records.
 // SPDX-License-Identifier: MIT
 #include "replay/format/marks.h"
 
@@ -14,7 +14,7 @@ ByteView bytes_of(std::string_view text) {
   return {reinterpret_cast<const std::uint8_t*>(text.data()), text.size()};
 }
 
-/// Indices of `ids` in the order of the ids.
+/// Indices into `ids`, sorted by id.
 std::vector<std::size_t> order_of(const std::vector<std::uint32_t>& ids) {
   std::vector<std::size_t> order(ids.size());
   std::iota(order.begin(), order.end(), std::size_t{0});

@@ -1,7 +1,7 @@
-// Marks and notes of ticks: what a program counts while a tick runs, as the records of a ticks chunk hold it.
+// Marks and notes of ticks: what a program counts during a tick, and its records in a ticks chunk.
 // SPDX-License-Identifier: MIT
 //
-// Format: docs/trace_format.md, section 20. Nothing of it is in the chain.
+// Format: docs/trace_format.md, section 20. These records are outside the chain.
 #pragma once
 
 #include <cstddef>
@@ -25,7 +25,7 @@ inline std::uint64_t mix_mark(std::uint64_t hash, std::uint64_t word) {
 struct NameMarks {
   std::string name;
   std::uint64_t count = 0;
-  std::uint32_t hash = 0;  // of its values in their order
+  std::uint32_t hash = 0;  // of the values in their order
 
   bool operator==(const NameMarks&) const = default;
 };
@@ -33,9 +33,9 @@ struct NameMarks {
 /// The marks of one tick. A tick without marks has no record.
 struct TickMarks {
   std::uint64_t trail = 0;       // of all marks in their order
-  std::vector<NameMarks> names;  // each once
+  std::vector<NameMarks> names;  // each name once
 
-  /// They did not fit into the trace: they are compared with nothing.
+  /// Whether the marks did not fit into the trace. Then they are not compared.
   bool is_left_out() const { return trail == 0 && names.empty(); }
   bool operator==(const TickMarks&) const = default;
 };
@@ -48,11 +48,11 @@ struct Mark {
   bool operator==(const Mark&) const = default;
 };
 
-/// Each mark of one tick, in order.
+/// All marks of one tick, in order.
 struct MarkList {
   std::vector<std::string> names;
   std::vector<Mark> marks;
-  bool is_cut = false;  // there were more
+  bool is_cut = false;  // further marks were dropped
 
   bool operator==(const MarkList&) const = default;
 };
@@ -66,19 +66,19 @@ struct Note {
 
 // ---- Records ----
 
-/// Body of a marks record. `ids`: of the names in their chunk, in the order of `marks.names`.
+/// Encodes the body of a marks record. `ids`: ids of the names in their chunk, in the order of `marks.names`.
 void encode_marks(const TickMarks& marks, const std::vector<std::uint32_t>& ids, ByteWriter& out);
-/// Requires: the record was checked. `chunk_names`: of the chunk so far.
+/// Requires: a checked record. `chunk_names`: the names in the chunk up to this record.
 TickMarks decode_marks(ByteView body, const std::vector<std::string>& chunk_names);
 
-/// Body of a mark list record: as many of the marks as fit. `ids`: of its names in their chunk.
+/// Encodes the body of a mark list record with as many marks as fit. `ids`: ids of its names in their chunk.
 void encode_mark_list(const MarkList& list, const std::vector<std::uint32_t>& ids, ByteWriter& out);
 /// Appends the marks of a record. Requires: as for decode_marks.
 void decode_mark_list(ByteView body, const std::vector<std::string>& chunk_names, MarkList& list);
 
-/// Body of a note record. Requires: topic and text within their limits.
+/// Encodes the body of a note record. Requires: topic and text within their limits.
 void encode_note(const Note& note, ByteWriter& out);
-/// Requires: the record was checked.
+/// Requires: a checked record.
 Note decode_note(ByteView body);
 
 }  // namespace ticktrue::replay

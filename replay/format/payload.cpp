@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <array>
-#include <cmath>
 
 #include "base/assert.h"
 #include "base/limits.h"
@@ -26,11 +25,7 @@ Error over_limit(const std::string& place, const std::string& what, std::uint64_
           place + ": " + what + ": found " + std::to_string(found) + ", expected at most " + std::to_string(max), ""};
 }
 
-bool is_dt(double dt) {
-  return std::isfinite(dt) && dt >= 0;
-}
-
-/// Of a setup that states version 3.
+/// For a setup that states version 3.
 Status check_features(const TraceSetup& setup, const std::string& place) {
   if ((setup.features & ~feature_mask) != 0) {
     std::uint32_t bit = feature_count;
@@ -102,7 +97,7 @@ Status check_setup(const TraceSetup& setup, const std::string& place) {
   if (const Status status = check_schema(setup.schema, layout_of_version(version_of(setup))); !status)
     return Error{status.error().code, place + ": setup: " + status.error().message, status.error().hint};
   if (const Status status = check_features(setup, place); !status) return status;
-  // The fields before it are far below a megabyte per schema table.
+  // The earlier fields take far less than a megabyte per schema table.
   if (setup.setup.size() > limits::setup_size_max - (16u << 20))
     return over_limit(place, "setup: bytes", setup.setup.size(), limits::setup_size_max - (16u << 20));
   return {};
@@ -171,7 +166,7 @@ Result<TraceSetup> decode_setup(ByteView payload, std::uint16_t version) {
 
 namespace {
 
-/// Reads the counts of a cells record and how many bytes they leave for; 0 if they are not as they must be.
+/// Reads the counts of a cells record. Returns the number of bytes that must follow; 0: the counts are wrong.
 std::size_t cells_size(const StateSchema& schema, ByteReader& in, StateCells* out) {
   std::size_t columns_size = 0;
   for (const TableSchema& table : schema.tables) {
@@ -189,7 +184,7 @@ std::size_t cells_size(const StateSchema& schema, ByteReader& in, StateCells* ou
 }  // namespace
 
 void encode_row_cells(const StateCells& cells, ByteWriter& out) {
-  // Passed in pieces: byte by byte would cost a tenth of the hashing.
+  // Several bytes at a time: single bytes would cost a tenth of the hashing.
   std::array<std::uint8_t, 2 * 64> bytes;
   std::size_t size = 0;
   for (const std::uint16_t cell : cells.cells) {
@@ -287,7 +282,7 @@ void encode_image_part(const ImagePart& part, ByteView raw, bool compress, ByteW
 #ifdef TICKTRUE_HAS_ZSTD
   if (compress && !raw.empty()) {
     Bytes packed(ZSTD_compressBound(raw.size()));
-    constexpr int level = 3;  // zstd's own default
+    constexpr int level = 3;  // the default of zstd
     const std::size_t size = ZSTD_compress(packed.data(), packed.size(), raw.data(), raw.size(), level);
     if (!ZSTD_isError(size) && size < raw.size()) {
       out.u8(static_cast<std::uint8_t>(Codec::zstd));

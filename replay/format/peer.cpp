@@ -1,4 +1,4 @@
-// Every count is compared with the bytes that are left before anything is made of it.
+// Encodes and decodes peer records. Each count is compared with the remaining bytes before memory is allocated.
 // SPDX-License-Identifier: MIT
 #include "replay/format/peer.h"
 
@@ -33,7 +33,7 @@ std::uint8_t flags_of(const PeerRecord& peer) {
                                    (peer.is_cut ? flag_cut : 0) | (peer.lost_state ? flag_lost : 0));
 }
 
-/// Numbers of rows, which ascend. False: they do not, or they end early.
+/// Reads ascending row numbers and their rows. False: not ascending, or the payload ends early.
 bool read_rows(ByteReader& in, std::size_t row_size, std::vector<std::uint32_t>& rows, Bytes& bytes) {
   const std::uint32_t count = in.u32();
   if (count > in.remaining() / (sizeof(std::uint32_t) + row_size)) return false;

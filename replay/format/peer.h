@@ -1,4 +1,4 @@
-// What a bundle holds of another player: the payload of a peer chunk.
+// The payload of a peer chunk: what a bundle says about another player.
 // SPDX-License-Identifier: MIT
 #pragma once
 
@@ -17,7 +17,7 @@ TickInputs inputs_of(double dt, ByteView inputs);
 Status check_peer(const PeerRecord& peer, const std::string& place);
 /// Requires: check_peer.
 void encode_peer(const PeerRecord& peer, ByteWriter& out);
-/// `schema`: the judged one of the trace. Errors: corrupt.
+/// `schema`: the judged schema of the trace. Errors: corrupt.
 Result<PeerRecord> decode_peer(const StateSchema& schema, ByteView payload);
 
 }  // namespace ticktrue::replay

@@ -13,13 +13,13 @@
 
 namespace ticktrue::replay {
 
-/// Of tables whose numbers ascend, each with rows.
+/// Encodes tables with ascending numbers. Requires: each table has rows.
 void encode_shown(std::span<const ShownRows> tables, Bytes& out);
 
-/// Views into `bytes`. `whole`: the schema with the shown columns. Errors: corrupt.
+/// The result refers to `bytes`. `whole`: the schema with the shown columns. Errors: corrupt.
 Result<std::vector<ShownRows>> decode_shown(const StateSchema& whole, ByteView bytes);
 
-/// The values of a row for people: "glow 0.5, place (1, 2)". Requires: a row of `rows`.
+/// The values of a row as text: "glow 0.5, place (1, 2)". Requires: a row of `rows`.
 std::string shown_row_text(const TableSchema& whole, const ShownRows& rows, std::size_t row);
 
 }  // namespace ticktrue::replay

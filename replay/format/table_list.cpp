@@ -1,4 +1,4 @@
-// Encodes, checks and composes lists of tables. docs/trace_format.md, section 20.
+// Encodes, checks and composes lists of tables. Format: docs/trace_format.md, section 20.
 // SPDX-License-Identifier: MIT
 #include "replay/format/table_list.h"
 
@@ -47,7 +47,7 @@ void encode_table_list(ListBase base, std::span<const ImageTable> tables, std::s
   }
 }
 
-/// Base and number of tables. False: not all of it is there yet, or it is wrong.
+/// Reads base and number of tables. False: these fields are incomplete or wrong.
 bool TableListShape::read_head(const StateSchema& schema, ByteView image, bool is_whole, Status& status) {
   ByteReader in(image);
   const std::uint8_t base = in.u8();
@@ -218,7 +218,7 @@ void encode_cell_list(const CellLayout& layout, const StateCells& cells, const S
   encode_row_cells(cells, out);
 }
 
-/// One listed table. False: ends early, or does not differ from before.
+/// Reads one listed table. False: the body ends early, or the table does not differ from the record before.
 bool ComposedCells::read_table(const CellLayout& layout, std::size_t table, ByteReader& in) {
   const std::uint64_t row_count = in.varint();
   if (!in.ok() || row_count > std::numeric_limits<std::uint32_t>::max()) return false;

@@ -23,6 +23,7 @@
 #include "engine/model/bodies.h"
 #include "tests/support/catch.h"
 #include "tests/support/scenes.h"
+#include "tool/study/closed_forms.h"
 
 using namespace ticktrue;
 using namespace ticktrue::test;
@@ -104,29 +105,10 @@ Problem damped_oscillator() {
   return problem;
 }
 
-/// sn(u, k) by descending Landen transformation (arithmetic-geometric mean).
-double jacobi_sn(double u, double k) {
-  double a[12], c[12];
-  a[0] = 1;
-  double b = std::sqrt(1 - k * k);
-  c[0] = k;
-  int n = 0;
-  for (; n < 11 && std::fabs(c[n]) > 1e-17; ++n) {
-    a[n + 1] = (a[n] + b) / 2;
-    c[n + 1] = (a[n] - b) / 2;
-    b = std::sqrt(a[n] * b);
-  }
-  double phi = std::ldexp(a[n] * u, n);
-  for (; n > 0; --n) phi = (phi + std::asin(c[n] / a[n] * std::sin(phi))) / 2;
-  return std::sin(phi);
-}
-
-/// theta'' = -10 sin theta from 60 degrees: theta = 2 asin(k sn(T / 4 - t, k)), T / 4 in units of 1 / w.
+/// theta'' = -10 sin theta from 60 degrees.
 Problem pendulum() {
   Problem problem{"pendulum", 2, 240, one_disc({0, 0}, {0, 0}), [](double t) {
-                    const double w = std::sqrt(10.0);
-                    const double quarter = w * 2.13232427506 / 4;
-                    return Point{2 * std::asin(0.5 * jacobi_sn(quarter - w * t, 0.5)), 0};
+                    return Point{verifier::pendulum_angle(engine::pi / 3, std::sqrt(10.0), t), 0};
                   }};
   problem.scene.bodies[0].angle = engine::pi / 3;
   problem.is_pendulum = true;

@@ -10,6 +10,7 @@
 #include "engine/math/trig.h"
 #include "tests/support/engine_runs.h"
 #include "tests/support/joints.h"
+#include "tool/study/closed_forms.h"
 
 using namespace ticktrue;
 using namespace ticktrue::test;
@@ -229,15 +230,12 @@ TEST_CASE("a disc slips down a slope if its friction is below a third of the tan
 }
 
 TEST_CASE("a chain of twenty links between two pegs hangs as its equations say", "[engine][joints][known_answers]") {
-  // Link i, counted from the middle, has the angle atan((i + 1/2) / H) from level. The span determines H, in weights of
-  // a link.
-  constexpr double sag = 2.927214753;
-  constexpr double pull = 7.819953406;
+  const double pull = verifier::catenary_pull;
   const auto engine = make_engine_or_fail(hanging_chain());
   run_ticks(*engine, 1800);
   const std::vector<BodyReport> bodies = engine->bodies();
   const BodyReport& link = bodies[10];  // its right end is the lowest point
-  CHECK(-(link.center.y + 0.3 * std::sin(link.angle)) == Approx(sag).epsilon(0.001));
+  CHECK(-(link.center.y + 0.3 * std::sin(link.angle)) == Approx(verifier::catenary_sag).epsilon(0.001));
   CHECK(link.center.x + 0.3 * std::cos(link.angle) == Approx(5).epsilon(0.001));
   for (const std::size_t end : {std::size_t{0}, std::size_t{20}}) {
     CAPTURE(end);
@@ -253,7 +251,7 @@ TEST_CASE("a pendulum of 60 degrees has its period", "[engine][joints][known_ans
   for (const Precision precision : both_precisions)
     for (const bool automatic : {false, true}) {
       CAPTURE(precision, automatic);
-      CHECK(swing_of(pendulum_scene(precision, automatic)).period == Approx(2.13232427506).epsilon(0.0002));
+      CHECK(swing_of(pendulum_scene(precision, automatic)).period == Approx(pendulum_period_60).epsilon(0.0002));
     }
 }
 

@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: MIT
 #include "base/hash.h"
 #include "tests/fuzz/support/fuzz.h"
-#include "tool/corpus/shard_plan.h"
+#include "tool/corpus/run/shard_plan.h"
 #include "verifier/report/report_ci.h"
 #include "verifier/report/report_transfer.h"
 #include "verifier/store/history.h"

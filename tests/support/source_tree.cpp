@@ -35,6 +35,28 @@ bool contains(std::string_view text, std::string_view part) {
   return text.find(part) != std::string_view::npos;
 }
 
+bool is_under(std::string_view path, std::string_view prefixes) {
+  while (!prefixes.empty()) {
+    const std::size_t comma = std::min(prefixes.find(','), prefixes.size());
+    if (starts_with(path, prefixes.substr(0, comma))) return true;
+    prefixes.remove_prefix(std::min(comma + 1, prefixes.size()));
+  }
+  return false;
+}
+
+bool is_one_of(std::string_view name, std::string_view names) {
+  while (!names.empty()) {
+    const std::size_t comma = std::min(names.find(','), names.size());
+    if (names.substr(0, comma) == name) return true;
+    names.remove_prefix(std::min(comma + 1, names.size()));
+  }
+  return false;
+}
+
+std::string_view folder_of(std::string_view path) {
+  return path.substr(0, std::min(path.rfind('/'), path.size()));
+}
+
 std::string top_of(std::string_view path) {
   const std::size_t slash = path.find('/');
   return std::string(slash == std::string_view::npos ? std::string_view{} : path.substr(0, slash));

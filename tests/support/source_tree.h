@@ -23,8 +23,14 @@ bool contains(std::string_view text, std::string_view part);
 bool is_header(std::string_view path);
 /// Whether an identifier may contain this character.
 bool is_word(char c);
+/// Whether `path` starts with one of the comma-separated prefixes.
+bool is_under(std::string_view path, std::string_view prefixes);
+/// Whether `name` is one of the comma-separated names.
+bool is_one_of(std::string_view name, std::string_view names);
 /// The first folder of a path; empty if none.
 std::string top_of(std::string_view path);
+/// The folder of a path, without the last '/'.
+std::string_view folder_of(std::string_view path);
 
 std::vector<std::string> lines_of(std::string_view text);
 /// The text with comments and the contents of literals blanked, with equal lines. The names in #include are kept.

@@ -12,7 +12,7 @@
 #include "tests/support/catch.h"
 #include "tests/support/full_disk.h"
 #include "tests/support/text.h"
-#include "tool/corpus/corpus_run.h"
+#include "tool/corpus/run/corpus_run.h"
 #include "tool/corpus/engine_digest.h"
 #include "tool/corpus/trace_log.h"
 #include "verifier/store/claims.h"

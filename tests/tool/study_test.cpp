@@ -18,6 +18,7 @@
 #include "tests/support/text.h"
 #include "tool/session/scene_key.h"
 #include "tool/study/accuracy.h"
+#include "tool/study/closed_forms.h"
 #include "tool/study/compare.h"
 #include "tool/study/peer_curves.h"
 #include "tool/study/reference_numbers.h"

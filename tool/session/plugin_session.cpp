@@ -19,6 +19,7 @@
 #include "tool/output/json_output.h"
 #include "tool/output/progress.h"
 #include "tool/session/session_inputs.h"
+#include "tool/session/simulations.h"
 #include "verifier/plugins/plugin.h"
 #include "verifier/runs/data_file.h"
 #include "verifier/verify/trace_inputs.h"

@@ -5,12 +5,10 @@
 #include <chrono>
 #include <cmath>
 #include <limits>
-#include <utility>
 
 #include "base/build_info.h"
 #include "base/float_behaviour.h"
 #include "engine/scene/scene_binary.h"
-#include "verifier/plugins/plugin.h"
 
 namespace ticktrue::verifier {
 namespace {
@@ -44,12 +42,6 @@ replay::BuildFacts make_build_facts() {
           {"compiler", build.compiler},
           {"flags", build.flags},
           {"target", build.target}};
-}
-
-replay::BuildFacts make_build_facts(std::string_view simulation) {
-  replay::BuildFacts facts = make_build_facts();
-  for (auto& fact : plugin_facts(simulation)) facts.push_back(std::move(fact));
-  return facts;
 }
 
 void TickTimes::add(double seconds) {

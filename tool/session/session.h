@@ -30,8 +30,6 @@ replay::TraceSetup make_trace_setup(const engine::Engine& engine, const TraceCho
 
 /// The facts about this build that go into traces.
 replay::BuildFacts make_build_facts();
-/// With those of the library that brought the simulation, where one did.
-replay::BuildFacts make_build_facts(std::string_view simulation);
 
 /// Times of ticks in bounded memory: a histogram of logarithmic buckets, each 1 % wide.
 class TickTimes {

@@ -4,10 +4,12 @@
 
 #include <cstdlib>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include "engine/engine.h"
 #include "engine/scene/scene_binary.h"
+#include "tool/session/session.h"
 #include "verifier/plugins/plugin.h"
 #include "verifier/report/report.h"
 
@@ -62,6 +64,12 @@ const SimulationInfo* find_simulation(std::string_view name) {
 
 bool runs_on_threads(const SimulationInfo& info) {
   return &info == &engine_here() || &info == &engine::engine_info();
+}
+
+replay::BuildFacts make_build_facts(std::string_view simulation) {
+  replay::BuildFacts facts = make_build_facts();
+  for (auto& fact : plugin_facts(simulation)) facts.push_back(std::move(fact));
+  return facts;
 }
 
 std::string tool_command(std::string_view simulation) {

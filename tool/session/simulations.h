@@ -8,6 +8,7 @@
 
 #include "base/state/simulation.h"
 #include "engine/engine.h"
+#include "replay/format/trace.h"
 
 namespace ticktrue::verifier {
 
@@ -24,6 +25,9 @@ engine::EngineOptions engine_options_of_environment();
 /// Whether several simulations of this kind may run on several threads. Only simulations of this build are known to
 /// share nothing.
 bool runs_on_threads(const SimulationInfo& info);
+
+/// The facts about this build that go into traces, and those of the library that brought the simulation, if one did.
+replay::BuildFacts make_build_facts(std::string_view simulation);
 
 /// The beginning of commands for traces of this simulation: "ticktrue", with --plugin for a simulation of a plug-in.
 std::string tool_command(std::string_view simulation);

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "engine/math/trig.h"
+#include "tool/study/closed_forms.h"
 #include "tool/study/problem_families.h"
 #include "tool/study/reference_numbers.h"
 #include "tool/study/worlds.h"
@@ -142,19 +143,18 @@ Problem slider_motor() {
   return problem;
 }
 
-// Link i, counted from the middle, has the angle atan((i + 1/2) / H) from level. The span determines H.
 Problem catenary() {
   Problem problem = of_joints("catenary", "20 links of 0.6 m between pegs 10 m apart, hung for 20 s: lowest point",
                               "exact equations of the links (sag 2.927214753 m)", 20);
   problem.sample_count = 1;
-  problem.scale = 2.927214753;
+  problem.scale = catenary_sag;
   problem.size = 0.1;
   problem.scene = worlds::catenary;
   problem.observe = [](const Engine& engine) {
     const BodyReport link = engine.bodies()[10];
     return std::vector<double>{-(link.center.y + 0.3 * std::sin(link.angle))};
   };
-  problem.exact = [](double) { return std::vector<double>{2.927214753}; };
+  problem.exact = [](double) { return std::vector<double>{catenary_sag}; };
   problem.slope = 2;
   set_bars(problem, 0.01);
   return problem;

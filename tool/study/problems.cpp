@@ -1,12 +1,12 @@
 // The smooth verification problems: motions whose error has the order of the integrator.
 // SPDX-License-Identifier: MIT
-// Source: Hairer, Lubich, Wanner, "Geometric Numerical Integration", 2006, I (oscillator, pendulum, Kepler); Abramowitz
-// and Stegun, 1964, 16.12 (elliptic functions by Landen's transformation).
+// Source: Hairer, Lubich, Wanner, "Geometric Numerical Integration", 2006, I (oscillator, pendulum, Kepler).
 #include "tool/study/problems.h"
 
 #include <cmath>
 
 #include "engine/math/trig.h"
+#include "tool/study/closed_forms.h"
 #include "tool/study/problem_families.h"
 #include "tool/study/worlds.h"
 
@@ -20,33 +20,6 @@ using engine::pi;
 using engine::Point;
 using engine::Precision;
 using engine::Scene;
-
-double jacobi_sn(double u, double k) {
-  double a[12], c[12];
-  a[0] = 1;
-  double b = std::sqrt(1 - k * k);
-  c[0] = k;
-  int n = 0;
-  for (; n < 11 && std::fabs(c[n]) > 1e-17; ++n) {
-    a[n + 1] = (a[n] + b) / 2;
-    c[n + 1] = (a[n] - b) / 2;
-    b = std::sqrt(a[n] * b);
-  }
-  double phi = std::ldexp(a[n] * u, n);
-  for (; n > 0; --n) phi = (phi + std::asin(c[n] / a[n] * std::sin(phi))) / 2;
-  return std::sin(phi);
-}
-
-double pendulum_angle(double amplitude, double w, double time_s) {
-  const double k = std::sin(amplitude / 2);
-  double a = 1, b = std::sqrt(1 - k * k);
-  for (int i = 0; i < 10; ++i) {
-    const double mean = (a + b) / 2;
-    b = std::sqrt(a * b);
-    a = mean;
-  }
-  return 2 * std::asin(k * jacobi_sn(pi / (2 * a) - w * time_s, k));
-}
 
 double bouncing_height(double height, double restitution, double time_s) {
   double speed = std::sqrt(2 * 10 * height);

@@ -82,10 +82,6 @@ std::vector<Problem> verification_problems();
 /// A disc and regular polygons of 3..16 corners, each of 1 kg: rolling, sliding, stacked, bouncing.
 std::vector<Problem> shape_problems();
 
-/// Jacobi's sn(u, k), by descending Landen transformation.
-double jacobi_sn(double u, double k);
-/// Angle of a pendulum, rad, released at `amplitude` rad. `w` is its frequency at small amplitudes, rad/s.
-double pendulum_angle(double amplitude, double w, double time_s);
 /// Height above the floor of a ball dropped from `height` that bounces with `restitution`, g = 10. Requires:
 /// restitution < 1, or few bounces.
 double bouncing_height(double height, double restitution, double time_s);

@@ -1,4 +1,4 @@
-// Runs another build of ticktrue: first for its verdict on the trace, then for one tick in full detail.
+// Runs another build of ticktrue, first for its verdict on the trace, then for one tick in full detail.
 // SPDX-License-Identifier: MIT
 #include "verifier/compare/against_build.h"
 
@@ -54,10 +54,10 @@ class BuildComparison {
   }
 
  private:
-  /// Fills in what the other build says. Returns why it says nothing; empty: it does.
+  /// Fills `other` with the verdict of the other build. Returns why there is no verdict; empty: there is one.
   std::string ask_for_verdict(OtherVerdict& other) {
     std::vector<std::string> more{"verify", reader_.name(), "--json"};
-    if (report_.verdict == Verdict::diverged && report_.divergence)  // ticks behind it are not compared
+    if (report_.verdict == Verdict::diverged && report_.divergence)  // later ticks are not compared
       more.insert(more.end(), {"--to", std::to_string(report_.divergence->tick)});
     const ChildResult result = run(more);
     if (std::string failure = child_failure(result, limits_); !failure.empty()) return failure;
@@ -79,7 +79,7 @@ class BuildComparison {
     return "";
   }
 
-  /// The words of the other build, for a call of it.
+  /// The words that call the other build.
   std::vector<std::string> words() const {
     return options_.words.empty() ? std::vector<std::string>{options_.binary} : options_.words;
   }
@@ -121,7 +121,7 @@ class BuildComparison {
     }
   }
 
-  /// Both builds again, with every state of the tick.
+  /// Runs both builds again, with every state of the tick.
   void locate(Divergence& divergence, Report& pair) {
     divergence.stage.reset();
     ReaderSource source(reader_);
@@ -181,7 +181,7 @@ class BuildComparison {
       pair.notes.push_back("at the end of the tick " + std::to_string(at_end.lane_count) + " lanes differ");
   }
 
-  /// Names of rows, from a simulation in that state.
+  /// Names of rows, from a simulation with this state.
   RowNamer names_in(ByteView image) {
     auto made = options_.simulation->make(reader_.setup().setup);
     if (!made || !(*made)->load(image)) return {};

@@ -21,7 +21,7 @@ using replay::TickRecord;
 using replay::TraceCondition;
 using replay::TraceSetup;
 
-/// ", at units row 2: a glow 0.5, b glow 1"; empty where that cannot be said.
+/// ", at units row 2: a glow 0.5, b glow 1"; empty: the images show no difference.
 std::string shown_difference(const StateSchema& whole, ByteView a, ByteView b) {
   const auto tables_a = replay::decode_shown(whole, a), tables_b = replay::decode_shown(whole, b);
   if (!tables_a || !tables_b) return "";
@@ -41,9 +41,9 @@ std::string shown_difference(const StateSchema& whole, ByteView a, ByteView b) {
 }
 
 constexpr std::uint64_t spread_ticks = 64;
-constexpr std::size_t differing_ranges_max = 1'000;  // then the last one goes on
+constexpr std::size_t differing_ranges_max = 1'000;  // after this number, the last range is extended
 
-/// Commands, one for each recording build, that show the values of a difference of two traces.
+/// Commands that show the values of a difference of two traces, one for each recording build.
 std::string more_detail_commands(const std::string& a, const std::string& b, std::uint64_t tick,
                                  const std::string& tool) {
   const std::string number = std::to_string(tick);
@@ -87,7 +87,7 @@ class Differ {
   void walk() {
     const TickRecord* a = a_.advance();
     const TickRecord* b = b_.advance();
-    // One may begin later than the other: the ticks before that are of one side alone.
+    // One trace may begin later than the other: earlier ticks are in one trace only.
     const std::uint64_t first = std::max(a_.first_tick(), b_.first_tick());
     double time_s = a_.time_s();
     while (a != nullptr && a->tick < first) {
@@ -102,7 +102,7 @@ class Differ {
       compare_inputs(tick, *a, *b);
       compare_marks(tick, *a, *b);
       if (a->shown && b->shown) compare_shown("after tick " + std::to_string(tick), *a->shown, *b->shown);
-      // Hashes of different schemas are not comparable.
+      // Hashes of different schemas cannot be compared.
       const bool found = comparable_ && !report_.divergence && differ(*a, *b);
       if (found) {
         Divergence divergence;
@@ -135,7 +135,7 @@ class Differ {
                             std::to_string(b_.first_tick()) + ": compared from tick " + std::to_string(first_) + " on");
   }
 
-  /// Tells the first difference of shown values. It decides nothing.
+  /// Reports the first difference of shown values. It does not affect the result.
   void compare_shown(const std::string& when, ByteView a, ByteView b) {
     if (told_shown_ || std::equal(a.begin(), a.end(), b.begin(), b.end())) return;
     told_shown_ = true;
@@ -145,7 +145,7 @@ class Differ {
     report_.notes.push_back(text + ": no verdict depends on them");
   }
 
-  /// Tells the first difference of marks. It decides nothing.
+  /// Reports the first difference of marks. It does not affect the result.
   void compare_marks(std::uint64_t tick, const TickRecord& a, const TickRecord& b) {
     const bool have_marks = setup_a_.has(replay::Feature::marks) && setup_b_.has(replay::Feature::marks);
     if (told_marks_ || !have_marks || !a.has_bound || !b.has_bound) return;
@@ -172,7 +172,7 @@ class Differ {
     report_.inputs = InputDifference{tick, a.dt, b.dt, inputs_text(tick, a.inputs), inputs_text(tick, b.inputs)};
   }
 
-  /// Hashes after the stages are compared where both have the same stages.
+  /// Hashes after the stages are compared if both traces have the same stages.
   TickSide stored_side(const TickRecord& record) const {
     TickSide side = side_of(record);
     if (setup_a_.stages != setup_b_.stages) side.stage_hashes = {};
@@ -194,7 +194,7 @@ class Differ {
     return true;
   }
 
-  /// The checkpoints with so many ticks done, with each other and with the tick before.
+  /// Compares the checkpoints after this number of ticks, with each other and with the tick before.
   void compare_checkpoints(std::uint64_t ticks_done, double time_s) {
     const StoredCheckpoint* a = a_.checkpoint_at(ticks_done);
     const StoredCheckpoint* b = b_.checkpoint_at(ticks_done);
@@ -223,7 +223,7 @@ class Differ {
     if (!is_start) add_differing(ticks_done - 1);
   }
 
-  /// Whether the checkpoint is a state with this hash.
+  /// Whether the checkpoint stores a state with this hash.
   bool holds(const StoredCheckpoint& checkpoint, std::uint64_t root) const {
     const Result<ImageState> state = ImageState::of(setup_a_.schema, checkpoint.image);
     return checkpoint.root_hash == root && state && root_hash(state->view()) == root;
@@ -234,8 +234,8 @@ class Differ {
       report_.notes.push_back("a stored state cannot be read: " + described.error().message);
   }
 
-  /// The sides stand behind the checkpoints, if any, that hold the states with `ticks_done` ticks done. Rows of cells
-  /// are tried among those of the last state both store before.
+  /// Requires: both sides have passed the checkpoints with the states after `ticks_done` ticks, if there are any. Rows
+  /// of cells are searched among the rows of the last earlier state that both store.
   void locate(std::uint64_t ticks_done) {
     Divergence& divergence = *report_.divergence;
     for (const auto& [side, stored] : {std::pair(&a_, &differing_[0]), std::pair(&b_, &differing_[1])})
@@ -270,7 +270,7 @@ class Differ {
     return context;
   }
 
-  /// At 1, 2, 4, 8, ... ticks behind the divergence.
+  /// Counts differing rows 1, 2, 4, 8, ... ticks after the divergence.
   void follow_spread(const TickRecord& a, const TickRecord& b) {
     Divergence& divergence = *report_.divergence;
     const std::uint64_t behind = a.tick - divergence.tick;
@@ -283,7 +283,7 @@ class Differ {
     }
   }
 
-  /// Notes in the report which data only one of the two traces stores: it is not compared.
+  /// Notes data that only one of the two traces stores: it is not compared.
   void note_not_compared() {
     const ComparedParts& done = report_.compared;
     const auto note = [&](TickPart part, std::uint64_t a, std::uint64_t b, std::uint64_t compared) {
@@ -343,10 +343,10 @@ class Differ {
 
   const TraceSide& shorter() const { return b_.end_tick() < a_.end_tick() ? b_ : a_; }
 
-  /// Whether the recorder of the side was stopped, or died, before the other one ended.
+  /// Whether the recorder of this side was stopped, or died, before the other one ended.
   bool ended_early(const TraceSide& side) const { return a_.end_tick() != b_.end_tick() && side.was_stopped(); }
 
-  /// Where the states do not.
+  /// What differs if the states do not.
   std::string what_differs() const {
     if (report_.setup.empty()) return "the inputs differ";
     return report_.inputs ? "the setups and the inputs differ" : "the setups differ";
@@ -363,11 +363,11 @@ class Differ {
   TickComparer comparer_;
   bool told_shown_ = false;
   bool told_marks_ = false;
-  std::uint64_t first_ = 0;                   // tick that both have
-  std::uint64_t root_ = 0;                    // of the tick before, on both sides
-  TickPart part_ = TickPart::root_hash;       // that differs
+  std::uint64_t first_ = 0;                   // the first tick of both
+  std::uint64_t root_ = 0;                    // of the previous tick, on both sides
+  TickPart part_ = TickPart::root_hash;       // the part that differs
   std::array<StoredTick, 2> differing_;       // the first tick that differs
-  std::array<ComparedParts, 2> stored_ = {};  // up to there
+  std::array<ComparedParts, 2> stored_ = {};  // up to this tick
 };
 
 }  // namespace

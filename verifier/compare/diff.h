@@ -40,7 +40,7 @@ struct InputDifference {
   std::string inputs_b;
 };
 
-/// Ticks in a row, inclusive.
+/// Consecutive ticks, inclusive.
 struct TickRange {
   std::uint64_t first = 0;
   std::uint64_t last = 0;
@@ -48,7 +48,7 @@ struct TickRange {
 
 struct DiffSide {
   std::string file;
-  std::optional<std::uint64_t> ticks;  // readable
+  std::optional<std::uint64_t> ticks;  // number of readable ticks
   TraceEnd end;
   replay::BuildFacts build;
 };
@@ -56,15 +56,15 @@ struct DiffSide {
 struct DiffReport {
   DiffVerdict verdict = DiffVerdict::equal;
   std::string reason;
-  std::string simulation;  // of a
+  std::string simulation;  // of trace a
   DiffSide a, b;
   std::uint64_t ticks_compared = 0;
   std::uint64_t checkpoints_compared = 0;  // up to the first difference
-  ComparedParts compared;                  // the same
+  ComparedParts compared;                  // up to the first difference
   std::vector<SetupDifference> setup;
   std::optional<InputDifference> inputs;
-  std::optional<Divergence> divergence;  // expected: of a, got: of b
-  std::vector<TickRange> differing;      // ticks with other states; the last range may hold equal ones too
+  std::optional<Divergence> divergence;  // expected: from a, got: from b
+  std::vector<TickRange> differing;      // ticks with different states; the last range may include equal states
   std::vector<std::string> notes;
   std::vector<std::string> again;
 
@@ -75,7 +75,7 @@ struct DiffOptions {
   const SimulationInfo* simulation = nullptr;  // formats inputs as text; may be null
   std::size_t row_count_max = 64;
   std::function<void(std::uint64_t ticks_done)> progress;  // may be empty
-  /// As in VerifyOptions; empty: only the program that recorded the traces can record them again.
+  /// As in VerifyOptions; empty: only the program that recorded the traces can record again.
   std::string tool = "ticktrue";
 };
 

@@ -1,4 +1,4 @@
-// What diff found, as text and as JSON.
+// The result of diff as text and as JSON.
 // SPDX-License-Identifier: MIT
 #include <cstdio>
 #include <utility>
@@ -24,7 +24,7 @@ Json side_json(const DiffSide& side) {
           {"build", facts_json(side.build)}};
 }
 
-/// Other inputs or another setup explain any difference.
+/// Likely causes. None if inputs or setup differ: these explain any difference.
 std::vector<Cause> causes_of(const DiffReport& report) {
   if (report.inputs || !report.setup.empty()) return {};
   Symptoms symptoms;

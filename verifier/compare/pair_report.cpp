@@ -1,4 +1,4 @@
-// Decides what two verdicts on a trace mean together, and joins the divergences of two programs.
+// Combines two verdicts on a trace, and merges the divergences of two programs.
 // SPDX-License-Identifier: MIT
 #include "verifier/compare/pair_report.h"
 
@@ -61,7 +61,7 @@ bool lists_all(const Divergence& divergence) {
          divergence.row_counts.empty();
 }
 
-/// What the other program has where this one has the recorded value, and the other way round.
+/// Exchanges the values of both programs.
 void swap_sides(Divergence& divergence) {
   for (LaneReport& lane : divergence.rows) std::swap(lane.expected, lane.got);
   for (ContentReport& content : divergence.contents) {
@@ -72,8 +72,8 @@ void swap_sides(Divergence& divergence) {
   std::swap(divergence.expected_root, divergence.got_root);
 }
 
-/// Of two that leave the recording at the same tick: lanes in which they differ. A lane that one list lacks has the
-/// recorded value there.
+/// For two programs that leave the recording at the same tick: finds the lanes in which they differ. If one list lacks
+/// a lane, that program has the recorded value.
 void join_lanes(const Divergence& here, const Divergence& there, Divergence& pair) {
   const std::map<LaneKey, LaneReport> here_lanes = lanes_of(here), there_lanes = lanes_of(there);
   std::map<LaneKey, LaneReport> joined;
@@ -123,7 +123,7 @@ Report pair_report(Report here, const OtherVerdict& other, const std::function<v
   const std::string& name = other.build.binary;
   const std::optional<std::uint64_t> here_at = diverged_at(here);
   const std::optional<std::uint64_t> there_at = other.build.diverged_at;
-  if (here.verdict != Verdict::match && !here_at) return here;  // its verdict says why
+  if (here.verdict != Verdict::match && !here_at) return here;  // the verdict of this program gives the reason
   if (other.build.verdict != "match" && !there_at) return not_judged_there(std::move(here), other.build);
   if (!here_at && !there_at) {
     here.notes.push_back(name + " gives the recorded bits too, in all " + std::to_string(other.build.ticks_compared) +

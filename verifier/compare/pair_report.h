@@ -1,4 +1,4 @@
-// The verdicts of two builds on one trace, put together: where they agree with it, and where they part.
+// Combines the verdicts of two builds on one trace: where they agree with it, and where they differ.
 // SPDX-License-Identifier: MIT
 #pragma once
 
@@ -9,23 +9,23 @@
 
 namespace ticktrue::verifier {
 
-/// What the other build said of the trace.
+/// The verdict of the other build on the trace.
 struct OtherVerdict {
   OtherBuild build;
-  std::string got_hash;  // hex64, of the tick at which it diverged; empty: not known
+  std::string got_hash;  // hex64, of the tick at which it diverged; empty: unknown
 };
 
-/// `here` is the report of the one build. The result is the report of the pair: match if both give the recorded bits;
-/// diverged with the first difference between them, or, where they agree with each other, between both and the
-/// recording. `locate` is called where they part, with a divergence that has its tick: it fills in the rest, "expected"
-/// being the other build. What a build says that is no verdict on its bits is the verdict of the pair.
+/// `here` is the report of one build. The result is the report of the pair. match: both builds reproduce the recorded
+/// bits. diverged: the first difference between the builds; if the builds agree with each other, the first difference
+/// from the recording. `locate` is called if the builds differ, with a divergence at the right tick: it fills in the
+/// rest, with the other build as "expected". If a build gives no verdict on its bits, its verdict is that of the pair.
 Report pair_report(Report here, const OtherVerdict& other, const std::function<void(Report& pair)>& locate);
 
-/// The same of two programs, each of which verified the trace in a session of its own. Both reports are of one trace.
-/// A program is not compared behind the tick at which it leaves the recording.
+/// The same for two programs that verified the trace in their own sessions. Both reports are about one trace. A program
+/// is not compared after the tick at which it leaves the recording.
 Report pair_of_programs(Report here, const Report& there, const std::string& there_name);
 
-/// That the other build could not be examined.
+/// The report if the other build could not be examined.
 Report pair_failed(Report here, const std::string& other_name, const std::string& what, const std::string& hint);
 
 }  // namespace ticktrue::verifier

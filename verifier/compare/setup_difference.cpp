@@ -30,7 +30,8 @@ std::size_t compare_setups(const replay::TraceSetup& a, const replay::TraceSetup
   if (a.simulation != b.simulation) out.push_back({"simulation", a.simulation, b.simulation});
   if (a.physics_version != b.physics_version)
     out.push_back({"physics version", std::to_string(a.physics_version), std::to_string(b.physics_version)});
-  // Of one setup, another range is another build's; of two, it may be that of what they hold.
+  // With equal setups, another range comes from another build. With different setups, the range may follow from the
+  // setup.
   const Ranges ranges = a.setup == b.setup ? Ranges::any : Ranges::same;
   if (const auto precision = precision_difference(a.schema, b.schema))
     out.push_back({precision->place, precision->a, precision->b});

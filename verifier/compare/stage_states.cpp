@@ -1,4 +1,4 @@
-// Runs one tick with an observer; writes and reads its states as lines that another build can read.
+// Runs one tick with an observer. Writes and reads its states as lines that another build can read.
 // SPDX-License-Identifier: MIT
 #include "verifier/compare/stage_states.h"
 
@@ -59,7 +59,7 @@ bool bytes_of(const std::string& text, Bytes& bytes) {
   return true;
 }
 
-/// Loads the last checkpoint at or before the tick; the source is positioned behind it.
+/// Loads the last checkpoint at or before the tick. Moves the source to the record after it.
 Result<std::uint64_t> go_to_checkpoint(TraceSource& source, Simulation& simulation, std::uint64_t tick) {
   if (tick > 0 && source.seek(tick)) {
     const auto* checkpoint = std::get_if<replay::CheckpointRecord>(&source.next());

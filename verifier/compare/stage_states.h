@@ -1,4 +1,4 @@
-// One tick of a trace in full detail: the state before it and after each of its stages, as this build computes them.
+// One tick of a trace in full detail: the states before it and after each of its stages, as this build computes them.
 // SPDX-License-Identifier: MIT
 #pragma once
 
@@ -20,18 +20,18 @@ struct StageState {
 
 struct StageStates {
   std::uint64_t tick = 0;
-  std::uint64_t start_tick = 0;  // the checkpoint from which the tick was reached; 0: from the setup
+  std::uint64_t start_tick = 0;  // the checkpoint at which the run began; 0: the setup
   bool as_recorded = true;       // the state before the tick has the recorded hash
-  std::string inputs;            // of the tick, JSON Lines
+  std::string inputs;            // of the tick, as JSON Lines
   std::vector<StageState> states;
 };
 
-/// Runs from the last checkpoint at or before `tick` through that tick.
-/// Errors: usage (no such tick), incompatible (inputs or a checkpoint are refused here), those of make and of
+/// Runs from the last checkpoint at or before `tick` through this tick.
+/// Errors: usage (no such tick), incompatible (this build refuses inputs or a checkpoint), the errors of make and of
 /// Simulation::step.
 Result<StageStates> stage_states(TraceSource& source, const SimulationInfo& info, std::uint64_t tick);
 
-/// JSON Lines, schema ticktrue.stages/1: a head, then a line for each state with its image in hexadecimal.
+/// JSON Lines, schema ticktrue.stages/1: a head, and a line for each state with its image in hexadecimal.
 std::string stage_states_lines(const StageStates& states);
 /// Errors: corrupt.
 Result<StageStates> parse_stage_states(std::string_view lines);

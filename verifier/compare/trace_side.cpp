@@ -1,4 +1,4 @@
-// Reads a trace tick by tick and keeps the checkpoints that it passes.
+// Reads a trace tick by tick and keeps the checkpoints on the way.
 // SPDX-License-Identifier: MIT
 #include "verifier/compare/trace_side.h"
 
@@ -25,9 +25,9 @@ const replay::TickRecord* TraceSide::advance() {
   }
 }
 
-bool TraceSide::was_stopped() const {
-  if (!tail().end) return false;
-  const replay::EndReason reason = tail().end->reason;
+bool ends_early(const replay::TraceTail& tail) {
+  if (!tail.end) return false;
+  const replay::EndReason reason = tail.end->reason;
   return reason == replay::EndReason::recovered || reason == replay::EndReason::interrupted;
 }
 

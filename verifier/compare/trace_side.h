@@ -1,4 +1,4 @@
-// One of the traces that are compared, tick by tick.
+// One of several compared traces, read tick by tick.
 // SPDX-License-Identifier: MIT
 #pragma once
 
@@ -10,31 +10,34 @@
 
 namespace ticktrue::verifier {
 
-/// Holds one tick and at most two checkpoints at a time, however long the trace is.
+/// Whether the recorder of this end was stopped, or died, before its own end.
+bool ends_early(const replay::TraceTail& tail);
+
+/// Stores one tick and at most two checkpoints at a time.
 class TraceSide {
  public:
-  /// The reader must outlive this. It is rewound.
+  /// Rewinds the reader. The reader must outlive this object.
   explicit TraceSide(replay::TraceReader& reader) : reader_(reader) { reader_.rewind(); }
 
-  /// The next tick, valid until the next call, or null at the end. Stores the checkpoint that it passes.
+  /// The next tick, valid until the next call; null: the end. Keeps a checkpoint on the way.
   const replay::TickRecord* advance();
 
-  /// The one passed on the way to the present tick, if it holds the state with so many ticks done.
+  /// The last checkpoint on the way to the present tick, if it has the state after `ticks_done` ticks.
   const StoredCheckpoint* checkpoint_at(std::uint64_t ticks_done) const {
     return checkpoint_ && checkpoint_->tick == ticks_done ? &*checkpoint_ : nullptr;
   }
   std::uint64_t ticks() const { return ticks_; }
-  /// The last checkpoint passed; fixed after freeze_last.
+  /// The last checkpoint on the way; it stays after freeze_last.
   const std::optional<StoredCheckpoint>& last() const { return last_; }
   void freeze_last() { updates_last_ = false; }
-  /// Requires: advance() gave null.
+  /// Requires: advance() returned null.
   const replay::TraceTail& tail() const { return reader_.tail(); }
   std::uint64_t first_tick() const { return reader_.first_tick(); }
   std::uint64_t end_tick() const { return first_tick() + ticks_; }
-  /// Simulated before the checkpoint passed last.
+  /// Simulated time before the last checkpoint on the way.
   double time_s() const { return time_s_; }
-  /// Whether the recorder was stopped, or died, before its end. Requires: advance() gave null.
-  bool was_stopped() const;
+  /// Whether the recorder was stopped, or died, before its end. Requires: advance() returned null.
+  bool was_stopped() const { return ends_early(tail()); }
 
  private:
   replay::TraceReader& reader_;
@@ -46,7 +49,7 @@ class TraceSide {
   bool ended_ = false;
 };
 
-/// Counts the parts that are stored of a tick.
+/// Counts the stored parts of a tick.
 void count_parts(const replay::TickRecord& record, ComparedParts& counts);
 
 }  // namespace ticktrue::verifier

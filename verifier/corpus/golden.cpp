@@ -1,4 +1,4 @@
-// The manifest of golden traces, and which ticks of a trace changed.
+// Reads and changes the manifest of golden traces, and finds the changed ticks of a trace.
 // SPDX-License-Identifier: MIT
 #include "verifier/corpus/golden.h"
 
@@ -35,7 +35,7 @@ bool is_hash(const std::string& text) {
   return text == "-" || (text.size() == 16 && text.find_first_not_of("0123456789abcdef") == std::string::npos);
 }
 
-/// Only names in the directory itself: a manifest cannot refer to other directories.
+/// Only names inside the directory: a manifest cannot refer to other directories.
 bool is_plain_name(const std::string& name) {
   return !name.empty() && name.front() != '.' && name.find('/') == std::string::npos &&
          name.find('\\') == std::string::npos;
@@ -66,7 +66,7 @@ Result<GoldenRow> parse_row(std::string_view line, const std::string& place) {
   return row;
 }
 
-/// But for the lines above it.
+/// Whether the rows are equal, apart from the lines above them.
 bool is_same_row(const GoldenRow& a, const GoldenRow& b) {
   const auto key = [](const GoldenRow& row) {
     return std::tie(row.file, row.scene, row.inputs, row.tick_count, row.detail, row.hash, row.size, row.why);
@@ -78,7 +78,7 @@ std::string range_words(std::uint64_t first, std::uint64_t last) {
   return first == last ? std::to_string(first) : std::to_string(first) + ".." + std::to_string(last);
 }
 
-/// The root hash of the next tick; nothing at the end.
+/// The root hash of the next tick; nothing: the end.
 std::optional<std::uint64_t> next_hash(replay::TraceReader& reader) {
   for (;;) {
     const auto& item = reader.next();
@@ -148,8 +148,8 @@ std::string changed_ticks(replay::TraceReader& a, replay::TraceReader& b) {
   b.rewind();
   std::string text;
   std::size_t range_count = 0;
-  bool is_open = false;     // a range of ticks that differ
-  std::uint64_t first = 0;  // its first tick
+  bool is_open = false;     // in a range of differing ticks
+  std::uint64_t first = 0;  // the first tick of this range
   std::uint64_t tick = 0;
   const auto close = [&] {
     if (!is_open) return;

@@ -1,4 +1,4 @@
-// Listing traces and sharing them out.
+// Lists traces and divides the list into shards.
 // SPDX-License-Identifier: MIT
 #include "verifier/corpus/trace_list.h"
 

@@ -1,4 +1,4 @@
-// The list of traces of a command: files, directories, and the shard of one machine.
+// The list of traces for a command: files, directories, and the shard of one machine.
 // SPDX-License-Identifier: MIT
 #pragma once
 
@@ -10,7 +10,7 @@
 
 namespace ticktrue::verifier {
 
-/// A directory is replaced by its *.ttr files, sorted by name; other arguments are unchanged.
+/// A directory is replaced by its *.ttr files, sorted by name. Other words are unchanged.
 /// Errors: io (a directory that cannot be listed or has no trace).
 Result<std::vector<std::string>> list_traces(const std::vector<std::string>& words);
 
@@ -22,8 +22,8 @@ struct Shard {
 /// "2/8". Errors: usage.
 Result<Shard> parse_shard(const std::string& text);
 
-/// Every count-th of the sorted list: the parts have no file in common, together they are the list, and they depend on
-/// nothing but the names.
+/// Each count-th file of the sorted list. The shards are disjoint and their union is the list. A shard depends only on
+/// the names.
 std::vector<std::string> take_shard(std::vector<std::string> files, const Shard& shard);
 
 }  // namespace ticktrue::verifier

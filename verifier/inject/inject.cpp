@@ -1,4 +1,4 @@
-// Fault injection: verifies a trace with a simulation whose state has one flipped bit.
+// Fault injection: plans flips, verifies the trace with each of them, and judges the reports.
 // SPDX-License-Identifier: MIT
 #include "verifier/inject/inject.h"
 
@@ -11,6 +11,7 @@
 #include "base/parallel/jobs.h"
 #include "base/random.h"
 #include "base/state/cells.h"
+#include "verifier/inject/flip.h"
 #include "verifier/verify/simulation_pool.h"
 #include "verifier/verify/verify.h"
 
@@ -21,204 +22,14 @@ using replay::CheckpointRecord;
 using replay::TickRecord;
 using replay::TraceReader;
 
-/// One flipped bit.
-struct FlippedBit {
-  StatePlace place;
-  std::uint32_t bit = 0;
-  std::optional<std::uint64_t> true_bits;  // not known inside the solver
-  std::string row_name;
-};
-
-/// The requested flip and, after it was made, its place.
-struct Flip {
-  std::uint64_t tick = 0;
-  std::uint64_t seed = 0;  // of the draws below the tick
-  const InjectOptions* options = nullptr;
-
-  bool done = false;
-  std::vector<FlippedBit> bits;
-  std::vector<CellOwner> concerned;  // rows whose values it changes
-  Bytes row_after;                   // inside the solver: the row at the end of the tick
-  bool waived = false;               // it became what it would have been without
-  std::uint64_t rows_seen = 0;       // of the largest table the flip could be in
-};
-
-Bytes row_bytes(const StateView& state, const StatePlace& place) {
-  const std::size_t size = state.schema->tables[place.table].row_size;
-  if (place.row >= state.tables[place.table].row_count) return {};
-  const std::uint8_t* row = state.tables[place.table].data + place.row * size;
-  return Bytes(row, row + size);
-}
-
-/// The table whose rows are the bodies: the one most columns refer to; without references the first with a key.
-std::size_t table_of_bodies(const StateSchema& schema) {
-  std::vector<std::size_t> references(schema.tables.size());
-  for (const TableSchema& table : schema.tables)
-    for (const Column& column : table.columns)
-      if (column.target >= 0) ++references[static_cast<std::size_t>(column.target)];
-  for (std::size_t t = 0; t < schema.tables.size(); ++t)
-    references[t] = 2 * references[t] + (schema.tables[t].key_column_count > 0);
-  return static_cast<std::size_t>(std::max_element(references.begin(), references.end()) - references.begin());
-}
-
-/// Draws a table, row, column, lane and bit among those of `state` the options allow. False if there is none.
-bool draw_place(const StateView& state, const InjectOptions& options, Random& random, Flip& flip, FlippedBit& drawn) {
-  const bool in_bodies = options.body_count > 0 || options.after_substep;
-  const auto fits = [&](const Column& column) {
-    return (options.column.empty() || column.name == options.column) &&
-           (!options.lane || *options.lane < column.lane_count) &&
-           (!options.bit || *options.bit < 8u * scalar_info(column.type)->size);
-  };
-  std::vector<std::size_t> tables;
-  for (std::size_t t = 0; t < state.tables.size(); ++t) {
-    const TableSchema& table = state.schema->tables[t];
-    if (!options.table.empty() && table.name != options.table) continue;
-    if (in_bodies && t != table_of_bodies(*state.schema)) continue;
-    if (std::any_of(table.columns.begin(), table.columns.end(), fits))
-      flip.rows_seen = std::max<std::uint64_t>(flip.rows_seen, state.tables[t].row_count);
-    if (state.tables[t].row_count == 0 || (options.row && *options.row >= state.tables[t].row_count)) continue;
-    if (std::any_of(table.columns.begin(), table.columns.end(), fits)) tables.push_back(t);
-  }
-  if (tables.empty()) return false;
-  StatePlace& place = drawn.place;
-  place.table = tables[static_cast<std::size_t>(random.below(tables.size()))];
-  const TableSchema& table = state.schema->tables[place.table];
-  const std::uint64_t row = random.below(state.tables[place.table].row_count);
-  place.row = static_cast<std::size_t>(options.row.value_or(row));
-  std::vector<std::size_t> columns;
-  for (std::size_t c = 0; c < table.columns.size(); ++c)
-    if (fits(table.columns[c])) columns.push_back(c);
-  place.column = columns[static_cast<std::size_t>(random.below(columns.size()))];
-  const Column& column = table.columns[place.column];
-  const std::uint64_t lane = random.below(column.lane_count);
-  place.lane = static_cast<std::size_t>(options.lane.value_or(static_cast<std::uint32_t>(lane)));
-  const std::uint64_t bit = random.below(8u * scalar_info(column.type)->size);
-  drawn.bit = options.bit.value_or(static_cast<std::uint32_t>(bit));
-  return true;
-}
-
-/// Draws all bits of a flip, in different rows. False if there are too few.
-bool draw_places(const StateView& state, Flip& flip) {
-  Random random(flip.seed);
-  flip.bits.clear();
-  const std::size_t wanted = std::max(1u, flip.options->body_count);
-  for (std::size_t tries = 0; flip.bits.size() < wanted && tries < 1'000 * wanted; ++tries) {
-    FlippedBit drawn;
-    if (!draw_place(state, *flip.options, random, flip, drawn)) return false;
-    if (std::none_of(flip.bits.begin(), flip.bits.end(),
-                     [&](const FlippedBit& other) { return other.place.row == drawn.place.row; }))
-      flip.bits.push_back(std::move(drawn));
-  }
-  return flip.bits.size() == wanted;
-}
-
-void add_concerned(const StateView& state, const FlippedBit& flipped, std::vector<CellOwner>& concerned) {
-  for (const CellOwner& owner : CellHasher(*state.schema).owners_of(state, flipped.place.table, flipped.place.row))
-    if (std::none_of(concerned.begin(), concerned.end(),
-                     [&](const CellOwner& other) { return other.table == owner.table && other.row == owner.row; }))
-      concerned.push_back(owner);
-}
-
-/// Forwards to the real simulation, but flips one bit of its state at the end of one tick.
-class FlippingSimulation : public Simulation {
- public:
-  FlippingSimulation(std::unique_ptr<Simulation> real, std::uint64_t ticks_done, Flip& flip)
-      : real_(std::move(real)), ticks_done_(ticks_done), flip_(flip) {}
-
-  Status accept(const TickInput& input) const override { return real_->accept(input); }
-  Status step(const TickInput& input, StageObserver* observer) override {
-    const bool is_due = ticks_done_ == flip_.tick;
-    const bool is_inside = flip_.options->after_substep.has_value();
-    if (is_due && is_inside) inject_flip();
-    shows_flip_ = false;
-    if (Status did = real_->step(input, observer); !did) return did;
-    ++ticks_done_;
-    if (is_due && is_inside && flip_.done) describe_injected();
-    shows_flip_ = is_due && !is_inside && make_flip();
-    return {};
-  }
-  const StateView& state() const override { return shows_flip_ ? view_ : real_->state(); }
-  Status load(ByteView image) override {
-    const Status loaded = real_->load(image);
-    if (loaded) shows_flip_ = false;
-    return loaded;
-  }
-  std::span<const std::string> stage_names() const override { return real_->stage_names(); }
-  std::string row_name(std::size_t table, std::size_t row) const override { return real_->row_name(table, row); }
-  std::string inputs_text(std::uint64_t tick, ByteView inputs) const override {
-    return real_->inputs_text(tick, inputs);
-  }
-
- private:
-  bool make_flip() {
-    view_ = real_->state();
-    if (!draw_places(view_, flip_)) return false;
-    const std::size_t table_index = flip_.bits[0].place.table;
-    const TableSchema& table = view_.schema->tables[table_index];
-    TableRows& rows = view_.tables[table_index];
-    rows_.assign(rows.data, rows.data + static_cast<std::size_t>(rows.row_count) * table.row_size);
-    rows.data = rows_.data();
-    for (FlippedBit& flipped : flip_.bits) flip_bit(table, flipped);
-    // A flipped reference concerns the rows it led to and those it leads to. A flipped key belongs to the row as shown.
-    flip_.concerned.clear();
-    for (const FlippedBit& flipped : flip_.bits) {
-      add_concerned(view_, flipped, flip_.concerned);
-      if (!owns_rows(*view_.schema, table_index)) add_concerned(real_->state(), flipped, flip_.concerned);
-    }
-    flip_.done = true;
-    return true;
-  }
-
-  void flip_bit(const TableSchema& table, FlippedBit& flipped) {
-    const Column& column = table.columns[flipped.place.column];
-    const std::size_t size = scalar_info(column.type)->size;
-    std::uint8_t* lane = rows_.data() + flipped.place.row * table.row_size + column.offset + flipped.place.lane * size;
-    const auto byte_of = [&](std::size_t index) { return machine_is_little_endian ? index : size - 1 - index; };
-    std::uint64_t true_bits = 0;
-    for (std::size_t i = 0; i < size; ++i) true_bits |= static_cast<std::uint64_t>(lane[byte_of(i)]) << (8 * i);
-    flipped.true_bits = true_bits;
-    std::uint8_t& byte = lane[byte_of(flipped.bit / 8)];
-    byte = static_cast<std::uint8_t>(byte ^ (1u << (flipped.bit % 8)));
-    flipped.row_name = real_->row_name(flipped.place.table, flipped.place.row);
-  }
-
-  /// Draws until a place has a value inside the solver.
-  void inject_flip() {
-    Random random(flip_.seed);
-    flip_.done = false;
-    for (int tries = 0; tries < 1'000 && !flip_.done; ++tries) {
-      FlippedBit drawn;
-      if (!draw_place(real_->state(), *flip_.options, random, flip_, drawn)) return;
-      flip_.done = static_cast<bool>(real_->inject({*flip_.options->after_substep, drawn.place, drawn.bit}));
-      flip_.bits = {drawn};
-    }
-  }
-
-  /// Rows do not move between the solver and the end of the tick.
-  void describe_injected() {
-    FlippedBit& injected = flip_.bits[0];
-    injected.row_name = real_->row_name(injected.place.table, injected.place.row);
-    flip_.concerned.clear();
-    flip_.row_after = row_bytes(real_->state(), injected.place);
-    if (!flip_.row_after.empty()) add_concerned(real_->state(), injected, flip_.concerned);
-  }
-
-  std::unique_ptr<Simulation> real_;
-  std::uint64_t ticks_done_;
-  Flip& flip_;
-  bool shows_flip_ = false;
-  StateView view_;
-  Bytes rows_;  // of the table with the flip
-};
-
-/// One tick of a trace with the state before it as a checkpoint: enough for a flip in this tick.
+/// One tick of a trace, with the state before it as a checkpoint. This suffices for a flip in this tick.
 class Excerpt : public TraceSource {
  public:
   Excerpt(const replay::TraceSetup& setup, const Bytes& state_before, const TickRecord& record)
       : setup_(setup), checkpoint_(CheckpointRecord{record.tick, 0, state_before}), tick_(record) {
     tail_.ticks_intact = record.tick + 1;
   }
-  /// Of the state before the tick, as recorded.
+  /// The recorded root hash of the state before the tick.
   void set_root(std::uint64_t root_hash) { std::get<CheckpointRecord>(checkpoint_).root_hash = root_hash; }
 
   const replay::TraceSetup& setup() const override { return setup_; }
@@ -280,7 +91,7 @@ class Injector {
   }
 
  private:
-  /// How many rows there are is known only from the states the flips were tried on.
+  /// Checks the row. The number of rows is known only from the states in which the flips were tried.
   Status check_row() const {
     std::uint64_t rows_seen = 0;
     for (const Flip& flip : flips_) rows_seen = std::max(rows_seen, flip.rows_seen);
@@ -332,9 +143,9 @@ class Injector {
     return {};
   }
 
-  /// Lane and bit are in some column that may be drawn. Requires: table and column are known.
+  /// Checks that lane and bit are in a column that may be drawn. Requires: table and column were checked.
   Status check_lanes() const {
-    std::uint32_t lanes = 0, bits = 0;  // of the widest column; bits of those that have the lane
+    std::uint32_t lanes = 0, bits = 0;  // lanes of the column with most lanes; most bits of a column with this lane
     for (std::size_t t = 0; t < setup_.schema.tables.size(); ++t) {
       const TableSchema& table = setup_.schema.tables[t];
       const bool in_bodies = options_.body_count > 0 || options_.after_substep;
@@ -370,7 +181,7 @@ class Injector {
     return setup_.detail == replay::Detail::full && tick >= setup_.full_first && tick <= setup_.full_last;
   }
 
-  /// Draws the tick of each flip: among those stored in full where there are any.
+  /// Draws the tick of each flip. Ticks that are stored in full are preferred.
   Status plan() {
     std::uint64_t first = 0, count = tick_count_;
     if (setup_.detail == replay::Detail::full && setup_.full_first < tick_count_) {
@@ -397,7 +208,7 @@ class Injector {
     return {};
   }
 
-  /// Every thread reads the whole trace and takes its share of the flips, every n-th of them in the order of ticks.
+  /// Runs the flips. Each of n threads reads the whole trace and makes each n-th flip in the order of ticks.
   Status run_flips() {
     std::vector<std::size_t> order;
     for (std::size_t i = 0; i < flips_.size(); ++i) order.push_back(i);
@@ -424,7 +235,7 @@ class Injector {
   }
 
   Status run_share(TraceSource& source, const std::vector<std::size_t>& order) {
-    std::vector<std::size_t> left = order;  // flips that have to run on the file itself
+    std::vector<std::size_t> left = order;  // flips that must run on the file itself
     SimulationPool pool(*options_.simulation);
     if (setup_.detail == replay::Detail::cells && can_load()) {
       Result<std::vector<std::size_t>> others = run_beside(source, order, pool);
@@ -436,20 +247,20 @@ class Injector {
     return {};
   }
 
-  /// The first tick begins with the setup and loads nothing.
+  /// In the first tick the simulation comes from the setup, because nothing is loaded.
   const SimulationInfo& simulation_for(std::uint64_t tick, const SimulationPool& pool) const {
     return tick == 0 ? *options_.simulation : pool.info();
   }
 
-  /// One pass through the file: each flip in a tick whose state before is stored costs one tick (and one more to
-  /// judge). Returns the flips in other ticks.
+  /// Reads the file once. A flip costs one tick, and one more to judge it, if the state before its tick is stored.
+  /// Returns the flips in other ticks.
   std::vector<std::size_t> run_excerpts(TraceSource& source, const std::vector<std::size_t>& order,
                                         const SimulationPool& pool) {
     std::vector<std::size_t> left;
     Bytes before;
     std::uint64_t before_root = 0;
     bool before_known = false;
-    std::uint64_t before_ticks = 0;  // ticks done in `before`
+    std::uint64_t before_ticks = 0;  // number of ticks before the state in `before`
     std::size_t next = 0;
     source.rewind();
     while (next < order.size()) {
@@ -482,7 +293,8 @@ class Injector {
     return left;
   }
 
-  /// The same where states are not stored: a simulation runs along, whose state before the tick is taken.
+  /// Does the same if states are not stored: another simulation runs in parallel and provides the states before the
+  /// ticks.
   /// Errors: those of Simulation::step.
   Result<std::vector<std::size_t>> run_beside(TraceSource& source, const std::vector<std::size_t>& order,
                                               const SimulationPool& pool) {
@@ -510,7 +322,7 @@ class Injector {
     return std::vector<std::size_t>();
   }
 
-  /// `truth`: the state after the tick without the flip, where it is known.
+  /// `truth`: the state after the tick without the flip, if it is known.
   void run_flip(std::size_t index, TraceSource& source, const SimulationInfo& simulation,
                 std::optional<std::uint64_t> to, const StateView* truth = nullptr) {
     Flip& flip = flips_[index];
@@ -522,11 +334,11 @@ class Injector {
     if (setup_.detail == replay::Detail::cells) options.row_count_max = every_candidate;
     options.to = to;
     options.wrap = [&flip](std::unique_ptr<Simulation> real, std::uint64_t ticks_done) {
-      return std::make_unique<FlippingSimulation>(std::move(real), ticks_done, flip);
+      return flipping_simulation(std::move(real), ticks_done, flip);
     };
     source.rewind();
     const Report found = verify_source(source, options);
-    // A fault inside the solver may leave its own row as it is and show in those around it alone.
+    // A fault inside the solver can leave its own row unchanged and change only other rows.
     if (truth != nullptr && !flip.row_after.empty() && flip.row_after == row_bytes(*truth, flip.bits[0].place))
       flip.waived = true;
     judge(flip, found, report_.rows[index]);
@@ -540,7 +352,7 @@ class Injector {
     row.verdict = found.verdict;
     row.divergence = found.divergence;
     if (!flip.done) {
-      const bool ran = found.verdict == Verdict::match;  // without a flip the trace matches
+      const bool ran = found.verdict == Verdict::match;  // a run without a flip matches the trace
       row.outcome = ran ? InjectRow::Outcome::not_applicable : InjectRow::Outcome::missed;
       row.reason = ran ? "the state has no such place at this tick" : "no flip was made: " + verdict_text(found);
       return;
@@ -555,7 +367,7 @@ class Injector {
       return;
     }
     row.cells_required = found.divergence && found.divergence->from_cells;
-    // A checkpoint right after the tick also contains the place.
+    // A checkpoint directly after the tick also has the state with the place.
     row.place_required = !row.cells_required && !is_inside &&
                          (stored_in_full(flip.tick) || (found.divergence && !found.divergence->tables.empty()));
     row.concerned = flip.concerned.size();
@@ -582,12 +394,12 @@ class Injector {
     return place;
   }
 
-  /// With cells: the table and its columns exactly, and each row concerned in the list. A fault inside the solver
-  /// reaches other columns and tables by the end of the tick.
+  /// Why cells did not find the flip; empty: they did. Required: the exact table and columns, and each concerned row in
+  /// the list. A fault inside the solver reaches other columns and tables by the end of the tick.
   std::string why_missed_by_cells(const Flip& flip, const Divergence& divergence, const InjectRow& row) const {
     const auto table = std::find_if(divergence.tables.begin(), divergence.tables.end(),
                                     [&](const TableDifference& found) { return found.table == row.place.table; });
-    if (flip.waived) return "";  // its row is as it should be: it shows elsewhere
+    if (flip.waived) return "";  // its own row is unchanged: other rows show the flip
     if (table == divergence.tables.end()) return "table " + row.place.table + " is not named";
     if (!options_.after_substep) {
       if (divergence.tables.size() != 1) return "other tables are named";

@@ -1,4 +1,4 @@
-// What was flipped and found, as text and as JSON: schema ticktrue.inject/1.
+// The flips and their findings, as text and as JSON: schema ticktrue.inject/1.
 // SPDX-License-Identifier: MIT
 #include <nlohmann/json.hpp>
 

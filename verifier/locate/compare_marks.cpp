@@ -1,4 +1,4 @@
-// Names of both sides are matched; what is the same in all of them leaves the order.
+// Matches the names of both sides. The order matters only if counts and values are equal.
 // SPDX-License-Identifier: MIT
 #include "verifier/locate/compare_marks.h"
 
@@ -9,7 +9,7 @@
 namespace ticktrue::verifier {
 namespace {
 
-constexpr std::size_t name_count_max = 64;  // of a difference
+constexpr std::size_t name_count_max = 64;  // in a difference
 
 }  // namespace
 
@@ -38,7 +38,7 @@ std::optional<MarksDifference> compare_marks(std::uint64_t tick, const replay::T
   const bool is_same_trail = expected != nullptr && got != nullptr && expected->trail == got->trail;
   if (difference.names.empty() && is_same_trail) return std::nullopt;
   difference.name_count = difference.names.size();
-  // What is there more or less often tells more than other values, which may follow from it.
+  // Another number of marks is a better hint than other values, which can follow from it.
   std::stable_partition(difference.names.begin(), difference.names.end(),
                         [](const NameDifference& name) { return name.expected != name.got; });
   if (difference.names.size() > name_count_max) difference.names.resize(name_count_max);

@@ -1,7 +1,7 @@
-// Compares the marks of a tick: which names are there more or less often, or with other values.
+// Compares the marks of a tick: names with more or fewer marks, or with other values.
 // SPDX-License-Identifier: MIT
 //
-// Marks decide no verdict: a generator may also serve what is drawn. They tell where to look.
+// Marks affect no verdict: a random generator may also serve the display. They show where to search.
 #pragma once
 
 #include <cstdint>
@@ -12,7 +12,7 @@
 
 namespace ticktrue::verifier {
 
-/// Nothing if the marks are the same, or if those of one side are not known. Null: the tick has no marks.
+/// Nothing: the marks are the same, or the marks of one side are unknown. Null: the tick has no marks.
 std::optional<MarksDifference> compare_marks(std::uint64_t tick, const replay::TickMarks* expected,
                                              const replay::TickMarks* got);
 

@@ -16,7 +16,7 @@ bool equal_bytes(ByteView a, ByteView b) {
   return std::equal(a.begin(), a.end(), b.begin(), b.end());
 }
 
-/// The first two of the sides with the part between which it differs. `count`: whether two sides have it.
+/// The first two of the sides with this part whose parts differ. `count`: incremented if two sides have the part.
 template <typename Has, typename Same>
 std::optional<TickDifference> first_difference(std::span<const TickSide> sides, TickPart part, std::uint64_t& count,
                                                Has has, Same same) {
@@ -36,7 +36,7 @@ bool stores_state(const TickSide& side) {
   return side.image || side.tables;
 }
 
-/// The image of a side that has one: stored, composed from its tables, or made from its state.
+/// The image of a side: the stored image, or an image made from its tables or its state.
 ByteView image_of(const TickSide& side, Bytes& buffer) {
   if (side.image) return *side.image;
   if (side.tables)
@@ -46,7 +46,7 @@ ByteView image_of(const TickSide& side, Bytes& buffer) {
   return buffer;
 }
 
-/// The tables that one side stores for the state, with those of the other.
+/// Compares the tables that one side stores for the state with those of the other side.
 bool same_tables(const replay::StoredState& stored, std::span<const ImageTable> other) {
   return std::all_of(stored.stored.begin(), stored.stored.end(), [&](std::uint32_t t) {
     return stored.tables[t].row_count == other[t].row_count && equal_bytes(stored.tables[t].rows, other[t].rows);
@@ -128,7 +128,7 @@ std::optional<TickDifference> TickComparer::compare(std::span<const TickSide> si
   return first_difference(sides, TickPart::cells, compared_.cells, has_cells, same_cell);
 }
 
-/// Called where the root hashes agree: they prove the tables that no side stores for this state.
+/// Requires: equal root hashes. They prove the tables that no side stores for this state.
 bool TickComparer::same_images(const TickSide& a, const TickSide& b) {
   if (a.tables && b.tables) return same_tables(*a.tables, b.tables->tables) && same_tables(*b.tables, a.tables->tables);
   if (a.state != nullptr && b.state != nullptr && !stores_state(a) && !stores_state(b)) return true;

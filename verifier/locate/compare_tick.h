@@ -1,9 +1,9 @@
-// Compares one tick between any number of sides: recordings, and runs that are under way.
+// Compares one tick between several sides: recordings, and running simulations.
 // SPDX-License-Identifier: MIT
 //
-// Verified: of a tick, every part that two sides have: root hash, hash after each stage, state image, cells. A side
-// with the state itself has its image and cells as well: they are made where another side stores them. Not verified:
-// parts that only one side has. ComparedParts counts what was compared.
+// Verified, for each part of a tick that two sides have: root hash, hash after each stage, state image, cells. A side
+// with the state itself also has its image and cells: they are made if another side stores them. Not verified: parts
+// that only one side has. ComparedParts counts the compared parts.
 #pragma once
 
 #include <array>
@@ -22,7 +22,7 @@
 
 namespace ticktrue::verifier {
 
-/// A copy of a recorded tick, valid beyond the reader's next step.
+/// A copy of a recorded tick, which stays valid after the reader advances.
 struct StoredTick {
   std::uint64_t tick = 0;
   double dt = 0;
@@ -34,21 +34,21 @@ struct StoredTick {
 };
 StoredTick copy_of(const replay::TickRecord& record);
 
-/// A copy of the checkpoint after a tick. It counts as another side of that tick.
+/// A copy of the checkpoint after a tick. It is compared as another side of this tick.
 struct StoredCheckpoint {
-  std::uint64_t tick = 0;  // ticks done
+  std::uint64_t tick = 0;  // number of ticks before it
   std::uint64_t root_hash = 0;
   Bytes image;
   std::optional<Bytes> shown = std::nullopt;
 };
 StoredCheckpoint copy_of(const replay::CheckpointRecord& record);
 
-/// The data that one side has of a tick. The views must outlive it.
+/// The data of a tick on one side. The views must outlive it.
 struct TickSide {
   std::uint64_t root_hash = 0;
-  std::span<const std::uint64_t> stage_hashes = {};  // empty: not known
-  std::optional<ByteView> image = std::nullopt;      // stored, as one piece
-  std::optional<replay::StoredState> tables = {};    // stored, instead of the image
+  std::span<const std::uint64_t> stage_hashes = {};  // empty: unknown
+  std::optional<ByteView> image = std::nullopt;      // stored, as one image
+  std::optional<replay::StoredState> tables = {};    // stored, as tables
   const StateCells* cells = nullptr;                 // stored
   const StateView* state = nullptr;                  // after the tick; null: the side is a recording
 };
@@ -69,7 +69,7 @@ inline constexpr std::array<TickPartInfo, 4> tick_parts{{
 }};
 std::string_view name_of(TickPart part);
 
-/// The first part that differs, in the order of tick_parts, and the first two sides between which it does.
+/// The first differing part, in the order of tick_parts, and the first two sides that differ in it.
 struct TickDifference {
   TickPart part = TickPart::root_hash;
   std::size_t a = 0;
@@ -78,13 +78,13 @@ struct TickDifference {
 
 class TickComparer {
  public:
-  /// The schema is that of the stored sides; ranges of columns do not matter.
+  /// `schema`: of the stored sides; ranges of columns are ignored.
   explicit TickComparer(const StateSchema& schema) : schema_(schema) {}
 
-  /// Returns nothing if every part is the same on all sides that have the part.
+  /// Nothing: each part is the same on all sides that have the part.
   std::optional<TickDifference> compare(std::span<const TickSide> sides);
 
-  /// Counts, for each part, the ticks in which it was compared between at least two sides since the last call.
+  /// For each part, the number of ticks in which at least two sides had it, since the last call.
   ComparedParts take_compared() { return std::exchange(compared_, {}); }
 
  private:
@@ -92,7 +92,7 @@ class TickComparer {
   bool same_cells(const TickSide& a, const TickSide& b);
 
   StateSchema schema_;
-  std::optional<CellHasher> hasher_;  // made at the first cells
+  std::optional<CellHasher> hasher_;  // made when cells are first needed
   Bytes image_;                       // reused
   Bytes other_image_;                 // reused
   StateCells cells_;                  // reused
@@ -103,28 +103,28 @@ class TickComparer {
 struct DescribeContext {
   const StateSchema& schema;
   std::span<const std::string> stages;
-  RowNamer row_name;  // of the rows of `rows`; may be empty
+  RowNamer row_name;  // names the rows of `rows`; may be empty
   std::size_t row_count_max = 64;
-  const StateView* rows = nullptr;  // state whose rows can be candidates; null: the state of `got`, if any
+  const StateView* rows = nullptr;  // the state with the candidate rows; null: the state of `got`, if it has one
   std::string_view no_stages = "not known: the trace stores no hash after each stage of this tick";
 };
 
-/// Fills the hashes of `divergence`; also its stage, tables, rows and candidates if both sides store the data.
-/// Errors: corrupt, if a stored image does not fit the schema.
+/// Fills the hashes of `divergence`. If both sides store the data, also fills stage, tables, rows and candidates.
+/// Errors: corrupt (a stored image does not fit the schema).
 Status describe_tick(const DescribeContext& context, const TickSide& expected, const TickSide& got,
                      Divergence& divergence);
 
-/// A note if the root hashes of both sides agree and another part differs; empty for the root hash.
+/// A note that the root hashes agree and another part differs; empty for the root hash.
 std::string contradiction_text(std::uint64_t tick, TickPart part);
 
-/// A tick of this build, compared with a recording that ended because that tick was not finite.
+/// A tick of this build, compared with a recording that ended because this tick was not finite.
 struct NonFiniteTick {
-  bool is_as_recorded = false;      // the state here is not finite, at the recorded place if that is known
+  bool is_as_recorded = false;      // the state here is not finite, at the recorded place if it is known
   std::optional<StatePlace> place;  // in the state here
-  std::string text;                 // a note if it is as recorded, else the reason of the verdict
-  Divergence divergence;            // if it is not: tick, stage note and hash
+  std::string text;                 // a note if it is as recorded, otherwise the reason of the verdict
+  Divergence divergence;            // if it is not as recorded: tick, stage note and hash
 };
-/// `recorded_note`: of the end of the recording; it ends with the recorded place, or is empty.
+/// `recorded_note`: the note at the end of the recording; it ends with the recorded place, or is empty.
 NonFiniteTick compare_non_finite(std::uint64_t tick, const StateView& state, const std::string& recorded_note,
                                  const RowNamer& row_name);
 

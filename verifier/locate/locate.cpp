@@ -9,10 +9,10 @@
 namespace ticktrue::verifier {
 namespace {
 
-// Bounds the memory of a report when everything differs; more lanes give no further information.
+// Limits the memory of a report if everything differs. More lanes give no further information.
 constexpr std::size_t lane_count_max = 1'000'000;
 
-/// The row of `table` with the keys of row `row` of `other`. Nothing if there is none.
+/// The row of `table` with the same key as row `row` of `other`; nothing: there is none.
 std::optional<std::size_t> find_row(const TableSchema& schema, const ImageTable& other, std::size_t row,
                                     const ImageTable& table) {
   for (std::size_t candidate = 0; candidate < table.row_count; ++candidate) {
@@ -68,7 +68,7 @@ Status locate_lanes(const StateSchema& schema, ByteView expected, ByteView got, 
     row.got = lane.got;
     row.place = child_place(schema, lane.expected ? *expected_tables : *got_tables, lane.place.table, lane.place.row);
     if (row_name && lane.got) {
-      // Names are those of the state here, where a row may stand elsewhere than in the recorded one.
+      // Names belong to rows of the state here, which can have another index than in the recorded state.
       std::size_t here = lane.place.row;
       const ImageTable& rows_there = (*expected_tables)[lane.place.table];
       const ImageTable& rows_here = (*got_tables)[lane.place.table];

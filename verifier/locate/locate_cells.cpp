@@ -1,4 +1,4 @@
-// Which columns and rows differ, from column hashes and cells.
+// Finds differing columns and rows from column hashes and cells.
 // SPDX-License-Identifier: MIT
 #include "verifier/locate/locate_cells.h"
 
@@ -13,7 +13,7 @@
 namespace ticktrue::verifier {
 namespace {
 
-/// Which cells differ, by partition.
+/// The differing cells, by partition.
 class CellMap {
  public:
   explicit CellMap(const StateCells& a) : width_(a.partition_cells), marks_(a.cells.size()) {}
@@ -27,7 +27,7 @@ class CellMap {
   std::vector<bool> marks_;
 };
 
-/// The value of the row's first key column, where it has one.
+/// The value of the row's first key column; nothing: the table has no key.
 std::optional<std::uint64_t> id_of(const TableSchema& table, const TableRows& rows, std::size_t row) {
   if (table.key_column_count == 0) return std::nullopt;
   const std::uint8_t* at = rows.data + row * table.row_size;
@@ -88,7 +88,7 @@ std::uint64_t estimate_differing(const StateCells& expected, const StateCells& g
   const double share =
       static_cast<double>(differing_cells(expected, got).count()) / static_cast<double>(expected.cells.size());
   if (share >= 1) return owner_count;
-  // d owners leave (1 - 1/c)^d of the c cells of a partition untouched.
+  // d owners leave (1 - 1/c)^d of the c cells of a partition unchanged.
   const double count = std::log1p(-share) / std::log1p(-1.0 / expected.partition_cells);
   return std::min(owner_count, static_cast<std::uint64_t>(std::llround(count)));
 }
@@ -110,8 +110,8 @@ std::set<OwnerKey> keys_of(const std::vector<CellOwner>& owners) {
   return keys;
 }
 
-/// Adds candidates to the divergence: owners of the state here, and owners of the previous state that no longer exist.
-/// Where no row came or went, one that is gone is the row here of the same index, under another key.
+/// Adds candidates to the divergence: owners in the state here, and owners in the previous state that no longer exist.
+/// If the number of rows is unchanged, a missing owner is the row here with the same index and another key.
 void list_candidates(const StateSchema& schema, const CellFinding& finding, const StateView& rows,
                      const RowNamer& row_name, const RowsBefore* before, std::vector<Candidate>& listed) {
   const auto is_listed = [&](const std::string& table, std::uint64_t row) {

@@ -1,4 +1,4 @@
-// Locates a difference from the cells of two states: columns exactly, and the rows that can have differed.
+// Locates a difference from the cells of two states: the exact columns, and the rows that can have differed.
 // SPDX-License-Identifier: MIT
 #pragma once
 
@@ -12,29 +12,31 @@
 
 namespace ticktrue::verifier {
 
-/// If all partitions name more rows than this, rows named by three partitions are listed too. If most cells differ, a
-/// row with one cell that is unchanged by chance would otherwise be missed.
+/// If all partitions name more rows than this limit, rows that three partitions name are listed too. If most cells
+/// differ, a row with one cell that is unchanged by chance would otherwise be missed.
 inline constexpr std::size_t short_list_max = 32;
 
-/// The rows that the cells of two states can tell apart.
+/// The rows that differ according to the cells of two states.
 struct CellFinding {
-  std::vector<CellOwner> candidates;  // of the given owners, those that can have differed
-  std::vector<CellOwner> gone;        // of those given as gone
-  bool healed = false;                // some candidates were named by three of four partitions
+  std::vector<CellOwner> candidates;  // the given owners that can have differed
+  std::vector<CellOwner> gone;        // the same for owners given as gone
+  bool healed = false;                // some candidates were named by three of four partitions only
   std::uint32_t differing_cells = 0;
-  std::uint32_t unexplained_cells = 0;  // differ, and no candidate's value goes into them
+  std::uint32_t unexplained_cells = 0;  // differing cells without a value of a candidate
 };
 
-/// Every owner all of whose cells differ. Where these do not explain every differing cell, also those with three
-/// differing cells, one of them unexplained: a value may change and leave one of its cells as it was.
+/// Candidates are owners all of whose cells differ. If these owners do not explain each differing cell, other owners
+/// are added: those with three differing cells, one of them unexplained. A value can change and leave one of its cells
+/// unchanged.
 /// Requires: equal partition_cells.
 CellFinding find_candidates(const StateCells& expected, const StateCells& got, const std::vector<CellOwner>& owners,
                             const std::vector<CellOwner>& gone = {});
 
-/// How many of `owner_count` owners differ, as estimated from how many cells do; exact where they are few.
+/// The number of differing owners among `owner_count`, estimated from the number of differing cells; exact if it is
+/// small.
 std::uint64_t estimate_differing(const StateCells& expected, const StateCells& got, std::uint64_t owner_count);
 
-/// The owners of a state both sides had, and their names.
+/// The owners of a state that both sides had, and their names.
 struct RowsBefore {
   std::vector<CellOwner> owners;
   std::vector<std::string> names;         // [owner]
@@ -42,15 +44,15 @@ struct RowsBefore {
 };
 RowsBefore rows_before(const StateView& state, const RowNamer& row_name);
 
-/// Fills tables, row_counts and candidates of `divergence`. `rows`: a state whose owners are tried, the one here or the
-/// last one known; null where there is none. `before`: of the state before the tick, for rows that only the other side
-/// still has, or has under another key; may be null. At most `row_count_max` candidates are listed, all are counted.
+/// Fills tables, row_counts and candidates of `divergence`. `rows`: the state whose owners are tried, this one or the
+/// last known one; null: none. `before`: the owners before the tick, for rows that only the other side still has, or
+/// has with another key; may be null. At most `row_count_max` candidates are listed; all are counted.
 void locate_cells(const StateSchema& schema, const StateCells& expected, const StateCells& got, const StateView* rows,
                   const RowNamer& row_name, std::size_t row_count_max, Divergence& divergence,
                   const RowsBefore* before = nullptr);
 
-/// How many owners differ between a tick as recorded and the state here after it. Nothing where the trace stores only
-/// a hash of the tick, and that differs.
+/// The number of owners that differ between a recorded tick and the state here after it. Nothing: the trace stores only
+/// a hash of the tick, and the hashes differ.
 std::optional<Spread> measure_spread(const StateSchema& schema, const replay::TickRecord& recorded,
                                      const StateView& here, CellHasher& hasher);
 /// The same for two sets of cells, or for two states.
@@ -58,10 +60,10 @@ Spread spread_of_cells(const StateSchema& schema, const StateCells& a, const Sta
 Spread spread_of_tables(const StateSchema& schema, std::span<const ImageTable> a, std::span<const ImageTable> b,
                         std::uint64_t tick);
 
-/// The command, for the build that recorded `file`, that shows the values of a difference at `tick`.
+/// The command that shows the values of a difference at `tick`, for the build that recorded `file`.
 std::string more_detail_command(const std::string& file, std::uint64_t tick, const std::string& tool);
 
-/// A state view over an image. Requires: an image of the schema, which must outlive this.
+/// A state view over an image. Requires: an image of the schema that outlives this object.
 class ImageState {
  public:
   /// Errors: corrupt.

@@ -1,4 +1,4 @@
-// Puts pieces together, owner by owner, in the order of both states.
+// Assembles the pieces of each owner, in the order of both states.
 // SPDX-License-Identifier: MIT
 #include "verifier/locate/locate_contents.h"
 
@@ -15,20 +15,20 @@ namespace {
 
 constexpr std::size_t size_offset = 8;
 constexpr std::size_t bytes_offset = 12;
-constexpr std::size_t nesting_max = 64;  // of children; deeper ones are told by the table alone
+constexpr std::size_t nesting_max = 64;  // of child tables; for a deeper child only the table is reported
 
-/// Tables of one side.
+/// The tables of one side.
 struct Side {
   const StateSchema& schema;
   std::span<const ImageTable> tables;
 };
 
-/// What identifies a row over both states: id or number of the row at the top, then indices.
+/// Identifies a row in both states: id or number of the row at the top level, followed by indices.
 using Path = std::vector<std::uint64_t>;
 
 std::optional<Path> path_of(const Side& side, std::size_t t, std::size_t row, std::size_t depth);
 
-/// Of the row of the parent that owns the rows of the child with this owner.
+/// The path of the parent row that owns the child rows with this owner.
 std::optional<Path> owner_path(const Side& side, std::size_t child, std::uint32_t owner, std::size_t depth) {
   const auto parent = static_cast<std::size_t>(side.schema.tables[child].parent);
   if (side.schema.tables[parent].form == TableForm::plain) return Path{owner};
@@ -36,7 +36,7 @@ std::optional<Path> owner_path(const Side& side, std::size_t child, std::uint32_
   return row ? path_of(side, parent, *row, depth + 1) : std::nullopt;
 }
 
-/// Requires: a child.
+/// The path of a row. Requires: a child table.
 std::optional<Path> path_of(const Side& side, std::size_t t, std::size_t row, std::size_t depth) {
   if (depth > nesting_max) return std::nullopt;
   const ChildKey key = child_key(side.schema.tables[t], side.tables[t], row);
@@ -45,7 +45,7 @@ std::optional<Path> path_of(const Side& side, std::size_t t, std::size_t row, st
   return path;
 }
 
-/// The row of the child with this owner and index.
+/// The row of the child table with this owner and index.
 std::optional<std::size_t> find_element(const Side& side, std::size_t t, std::uint32_t owner, std::uint64_t index) {
   const TableSchema& table = side.schema.tables[t];
   std::size_t low = 0, high = side.tables[t].row_count;
@@ -63,9 +63,9 @@ std::optional<std::size_t> find_element(const Side& side, std::size_t t, std::ui
   return key.owner == owner && key.index == index ? std::optional(low) : std::nullopt;
 }
 
-/// Whether the side has the row of the parent with this path.
+/// Whether this side has the parent row with this path.
 bool has_row(const Side& side, std::size_t child, std::span<const std::uint64_t> path) {
-  // From the child up: its parents, the one at the top last.
+  // The parents of the child, from the nearest to the top level.
   std::vector<std::size_t> parents;
   for (std::size_t t = child; side.schema.tables[t].form != TableForm::plain && parents.size() <= nesting_max;) {
     t = static_cast<std::size_t>(side.schema.tables[t].parent);
@@ -110,7 +110,7 @@ struct Pieces {
   }
 };
 
-/// The pieces of the owner whose first one is `row`. Requires: such a row.
+/// The pieces of the owner whose first piece is `row`. Requires: such a row.
 Pieces pieces_at(const Side& side, std::size_t t, std::size_t row) {
   const TableSchema& table = side.schema.tables[t];
   Pieces pieces{&table, side.tables[t].rows.data() + row * table.row_size, 0,
@@ -121,7 +121,7 @@ Pieces pieces_at(const Side& side, std::size_t t, std::size_t row) {
   return pieces;
 }
 
-/// The first byte that differs; nothing: none does.
+/// The first differing byte; nothing: all bytes are equal.
 std::optional<std::uint64_t> first_difference(const Pieces& a, const Pieces& b) {
   const std::uint64_t a_size = a.size(), b_size = b.size();
   const std::uint64_t both = std::min(a_size, b_size);
@@ -134,8 +134,8 @@ std::optional<std::uint64_t> first_difference(const Pieces& a, const Pieces& b) 
   return offset;
 }
 
-/// The characters before the one that the offset is in; nothing: a byte before it is no UTF-8. The bytes before it are
-/// the same on both sides.
+/// The number of characters before the one at the offset; nothing: an earlier byte is not valid UTF-8. Requires: the
+/// earlier bytes are the same on both sides.
 std::optional<std::uint64_t> character_at(const Pieces& pieces, std::uint64_t offset) {
   std::uint64_t count = 0, at = 0;
   const std::uint64_t size = pieces.size();
@@ -149,12 +149,12 @@ std::optional<std::uint64_t> character_at(const Pieces& pieces, std::uint64_t of
   return count;
 }
 
-/// A byte of a character that does not begin there.
+/// Whether the byte is inside a character, after its first byte.
 bool is_inner(std::uint8_t byte) {
   return (byte & 0xc0) == 0x80;
 }
 
-/// The bytes around the difference, without half characters at their ends.
+/// The bytes around the difference, without incomplete characters at both ends.
 std::string window(const Pieces& pieces, std::uint64_t first, std::uint64_t offset, bool is_text) {
   const std::uint64_t size = pieces.size();
   std::uint64_t behind = std::min(size, offset + content_behind_max);
@@ -163,7 +163,7 @@ std::string window(const Pieces& pieces, std::uint64_t first, std::uint64_t offs
   return first < behind ? pieces.part(first, behind) : std::string();
 }
 
-/// Requires: pieces of one side at least that has a byte.
+/// Requires: at least one side has pieces with a byte.
 ContentReport content_of(const Pieces& a, const Pieces& b, std::uint64_t offset, bool is_text) {
   ContentReport content;
   content.is_text = is_text;
@@ -186,7 +186,7 @@ std::string name_in_parent(const StateSchema& schema, std::size_t t) {
   return name.size() > begin.size() && name.compare(0, begin.size(), begin) == 0 ? name.substr(begin.size()) : name;
 }
 
-/// "units[3]" or "units[3].inventory[2]". `top`: becomes the row at the begin.
+/// "units[3]" or "units[3].inventory[2]". `top`: set to the row at the top level.
 std::string row_place(const StateSchema& schema, std::span<const ImageTable> tables, std::size_t t, std::size_t row,
                       StatePlace& top, std::size_t depth) {
   const TableSchema& table = schema.tables[t];
@@ -204,7 +204,7 @@ std::string row_place(const StateSchema& schema, std::span<const ImageTable> tab
   return has_pieces(table) ? text : text + "[" + std::to_string(key.index) + "]";
 }
 
-/// Place and owner of the pieces that begin at this row.
+/// Sets place and owner of the pieces that begin at this row.
 void set_place(const Side& side, std::size_t t, std::size_t row, const RowNamer& row_name, ContentReport& content) {
   StatePlace top;
   content.table = side.schema.tables[t].name;
@@ -216,7 +216,7 @@ void set_place(const Side& side, std::size_t t, std::size_t row, const RowNamer&
   if (row_name) content.name = row_name(top.table, top.row);
 }
 
-/// Where one side stands in its pieces.
+/// The current position of one side in its pieces.
 struct Walk {
   const Side& side;
   std::size_t t;
@@ -251,7 +251,7 @@ void compare_table(const Side& expected, const Side& got, std::size_t t, const R
     if (const auto offset = first_difference(from_a, from_b)) {
       if (divergence.contents.size() < count_max) {
         ContentReport content = content_of(from_a, from_b, *offset, table.form == TableForm::text);
-        // Names are those of the state here.
+        // Names belong to rows of the state here.
         set_place(takes_b ? got : expected, t, takes_b ? b.row : a.row, takes_b ? row_name : RowNamer(), content);
         if (!takes_a && b.path && !has_row(expected, t, *b.path)) content.expected.reset();
         if (!takes_b && a.path && !has_row(got, t, *a.path)) content.got.reset();

@@ -1,4 +1,4 @@
-// Texts and strings of bytes that differ between two states: the pieces of an owner put together. Places of children.
+// Differing texts and byte strings of two states: the pieces of an owner joined. Places of child rows.
 // SPDX-License-Identifier: MIT
 #pragma once
 
@@ -12,14 +12,14 @@
 
 namespace ticktrue::verifier {
 
-/// Where a row of a child stands: "units[3].inventory[2]", and "units[3].name" for a piece of a text. Empty for a table
-/// that is no child. Numbers are those of rows, counted from 0.
+/// The place of a child row: "units[3].inventory[2]", or "units[3].name" for a piece of a text. Numbers are row numbers
+/// from 0. Empty: the table is not a child table.
 /// Requires: a row of the table.
 std::string child_place(const StateSchema& schema, std::span<const ImageTable> tables, std::size_t table,
                         std::size_t row);
 
-/// Fills contents and content_count of `divergence`. Owners are matched by ids and indices. At most `count_max` are
-/// listed, all are counted. Requires: the tables of two images of the schema.
+/// Fills contents and content_count of `divergence`. Owners are matched by ids and indices. At most `count_max`
+/// contents are listed; all are counted. Requires: the tables of two images of the schema.
 void locate_contents(const StateSchema& schema, std::span<const ImageTable> expected, std::span<const ImageTable> got,
                      const RowNamer& row_name, std::size_t count_max, Divergence& divergence);
 

@@ -1,4 +1,4 @@
-// Two schemas, table by table and column by column.
+// Compares two schemas table by table and column by column.
 // SPDX-License-Identifier: MIT
 #include "verifier/locate/schema_difference.h"
 

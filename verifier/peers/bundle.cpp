@@ -1,4 +1,4 @@
-// The peers stand at the end of a trace, the tick that they are about before it: the trace is read twice.
+// Reads a bundle. The peers are at the end of a trace, and their tick is before the end: the trace is read twice.
 // SPDX-License-Identifier: MIT
 #include "verifier/peers/bundle.h"
 
@@ -19,13 +19,13 @@ namespace ticktrue::verifier {
 namespace {
 
 constexpr std::size_t kept_roots_max = 65'536;
-constexpr std::size_t hashed_columns_max = 8;  // that a report names
+constexpr std::size_t hashed_columns_max = 8;  // in a report
 
 std::string player_name(std::uint32_t player) {
   return "player " + std::to_string(player);
 }
 
-/// Columns whose hashes in the cells of the player are not those of this state.
+/// Columns whose hashes in the player's cells differ from this state.
 std::vector<std::string> columns_by_hash(const StateSchema& schema, std::span<const ImageTable> tables, ByteView list) {
   const replay::CellLayout layout(schema);
   replay::ComposedCells there;
@@ -52,11 +52,11 @@ std::vector<std::string> columns_by_hash(const StateSchema& schema, std::span<co
 
 }  // namespace
 
-/// What the trace holds of the recorder, up to the tick that differs.
+/// The recorder's data in the trace, up to the differing tick.
 struct Bundle::RecordedTicks {
   std::deque<std::pair<std::uint64_t, std::uint64_t>> roots;  // tick, root; ascending
-  std::optional<replay::TickInputs> inputs;                   // of that tick
-  std::optional<Bytes> image;                                 // of the state behind it
+  std::optional<replay::TickInputs> inputs;                   // of the differing tick
+  std::optional<Bytes> image;                                 // of the state after it
 
   void read(replay::TraceReader& reader, std::uint64_t tick) {
     reader.rewind();
@@ -134,7 +134,7 @@ void Bundle::find_agreed(const RecordedTicks& ticks, std::span<const replay::Pee
   const auto is_same = [&](std::uint64_t tick, std::uint64_t root) {
     return std::all_of(peers.begin(), peers.end(), [&](const replay::PeerRecord& peer) {
       const auto there = peer.root_at(finding_.tick);
-      // Of a player who has the root of the recorder at the tick, no earlier difference is known.
+      // A player with the recorder's root at this tick has no known earlier difference.
       const bool is_with_recorder = there && !ticks.roots.empty() && ticks.roots.back().first == finding_.tick &&
                                     there == ticks.roots.back().second;
       return !there || is_with_recorder || peer.root_at(tick) == root;
@@ -163,14 +163,14 @@ Result<std::optional<Bundle>> Bundle::read(replay::TraceReader& reader) {
   for (const replay::PeerRecord& peer : peers) {
     Result<DesyncPlayer> player = bundle.other_at(schema, peer);
     if (!player) return Error{player.error().code, reader.name() + ": " + player.error().message, ""};
-    players.push_back(std::move(*player));
+    const auto place = std::find_if(players.begin(), players.end(),
+                                    [&](const DesyncPlayer& other) { return other.player > player->player; });
+    players.insert(place, std::move(*player));
     if (peer.session_identity != replay::session_identity(reader.setup()))
       bundle.warnings_.push_back(player_name(peer.player) + " plays another game: session identity " +
                                  hex64(peer.session_identity) + ", that of the recorder is " +
                                  hex64(replay::session_identity(reader.setup())));
   }
-  std::sort(players.begin(), players.end(),
-            [](const DesyncPlayer& a, const DesyncPlayer& b) { return a.player < b.player; });
   bundle.finding_.is_whole = std::all_of(players.begin(), players.end(), [](const DesyncPlayer& player) {
     return player.root.has_value() && player.tables.has_value();
   });

@@ -1,8 +1,8 @@
-// A bundle: a trace with what its recorder knows of the other players at the tick from which on their states differ.
+// A bundle: a trace with the recorder's knowledge about other players at the first tick with different states.
 // SPDX-License-Identifier: MIT
 //
-// Verified: sizes, order, and that the rows of a player give the root that this player told. Not verified: what other
-// players told of themselves.
+// Verified: sizes, order, and that the rows of a player have the root that this player reported. Not verified:
+// statements of other players about themselves.
 #pragma once
 
 #include <cstdint>
@@ -17,20 +17,21 @@
 
 namespace ticktrue::verifier {
 
-/// What a bundle says. Owns the states that the finding points to.
+/// The content of a bundle. Owns the states to which the finding points.
 class Bundle {
  public:
-  /// Nothing: the trace holds no other player. Reads the trace; then tail() of the reader is not that of its end.
-  /// Errors: corrupt (rows that do not fit to the state of the recorder).
+  /// Nothing: the trace has no other player. Reads the trace; afterwards tail() of the reader does not describe its
+  /// end.
+  /// Errors: corrupt (rows that do not fit the state of the recorder).
   static Result<std::optional<Bundle>> read(replay::TraceReader& reader);
 
   std::uint32_t recorder() const { return recorder_; }
   const DesyncFinding& finding() const { return finding_; }
-  /// What does not fit together, a line each.
+  /// Contradictions in the bundle, one line each.
   const std::vector<std::string>& warnings() const { return warnings_; }
   /// "players 0, 1; recorded by player 0".
   std::string players_text() const;
-  /// The report of the desync, and a line for each warning.
+  /// The report of the desync, with one line for each warning.
   std::string text(const StateSchema& schema) const;
 
  private:
@@ -43,13 +44,13 @@ class Bundle {
   DesyncFinding finding_;
   std::vector<std::string> warnings_;
   Bytes image_;                           // of the recorder, after the tick
-  std::vector<ImageTable> tables_;        // of the image; empty: not known
+  std::vector<ImageTable> tables_;        // of the image; empty: unknown
   std::vector<std::vector<Bytes>> rows_;  // [player][table]
 };
 
-/// The same from the setup alone, for a report about the trace: empty if it is no bundle.
+/// The players from the setup alone, for a report about the trace; empty: the trace is not a bundle.
 std::string bundle_note(const replay::TraceSetup& setup, const std::string& file);
-/// "players 0, 1; recorded by player 0" of the peers of a trace; empty without peers.
+/// "players 0, 1; recorded by player 0", from the peers of a trace; empty without peers.
 std::string players_text(std::span<const replay::PeerRecord> peers);
 
 }  // namespace ticktrue::verifier

@@ -1,4 +1,4 @@
-// Compares the states of all players, and prints what differs.
+// Compares the states of all players, and prints the differences.
 // SPDX-License-Identifier: MIT
 #include "verifier/peers/desync_report.h"
 
@@ -17,10 +17,10 @@
 namespace ticktrue::verifier {
 namespace {
 
-constexpr std::size_t compared_lane_count_max = 100'000;  // of one pair of players
+constexpr std::size_t compared_lane_count_max = 100'000;  // between two players
 constexpr std::size_t lane_shown_max = 8;
 
-/// The order of the report. Rows that the first state lacks come behind its own of the same number.
+/// The order of the report. Rows that the first state lacks come after its own rows with the same number.
 using LaneKey = std::tuple<std::size_t, std::size_t, bool, std::uint64_t, std::size_t, std::size_t>;
 
 LaneKey lane_key(const LaneDifference& lane) {
@@ -29,7 +29,7 @@ LaneKey lane_key(const LaneDifference& lane) {
 }
 
 using replay::TickInputs;
-using Names = std::vector<std::size_t>;  // places in the list of players
+using Names = std::vector<std::size_t>;  // indices into the list of players
 
 /// "player 0", "players 0, 2".
 std::string players_text(const DesyncFinding& finding, const Names& names) {
@@ -39,7 +39,7 @@ std::string players_text(const DesyncFinding& finding, const Names& names) {
   return text;
 }
 
-/// "players 0, 2: A.  player 1: B". Players without a value stand in no group.
+/// "players 0, 2: A.  player 1: B". Players without a value are in no group.
 template <typename Value, typename Text>
 std::string grouped(const DesyncFinding& finding, const std::vector<std::optional<Value>>& values, Text text_of) {
   std::vector<std::pair<Value, Names>> groups;
@@ -76,7 +76,7 @@ std::string row_text(const Column& column, const DesyncLane& lane) {
   return text;
 }
 
-/// A value, or that there is no such row. Compared as a whole.
+/// A value; nothing: the row does not exist. Compared as a whole.
 using ShownValue = std::optional<std::uint64_t>;
 
 std::string values_text(const DesyncFinding& finding, const Column& column, const DesyncLane& lane) {
@@ -148,7 +148,7 @@ void add_facts(const DesyncFinding& finding, std::string& text) {
   }
 }
 
-/// The players outside of the largest group with one root; empty if two groups are equally large.
+/// The players outside the largest group with one root; empty: two groups are equally large.
 Names odd_ones(const DesyncFinding& finding) {
   const std::vector<Names> groups = root_groups(finding);
   Names others;
@@ -238,7 +238,7 @@ void compare_players(const StateSchema& schema, const RowNamer& row_name, Desync
   finding.lane_count = lanes.size();
   for (auto& [key, lane] : lanes) {
     if (finding.lanes.size() == lane_shown_max) break;
-    // Who has the root of another player has its values.
+    // A player with the root of another player has its values.
     for (std::size_t i = 0; i < finding.players.size(); ++i)
       for (std::size_t j = 0; j < i; ++j)
         if (finding.players[i].root && finding.players[i].root == finding.players[j].root)

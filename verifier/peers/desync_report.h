@@ -1,7 +1,8 @@
-// What is known of a desync: the tick, who differs, columns, rows and the values of every player. As text and JSON.
+// The known facts of a desync: the tick, the players, and the values of each player in differing columns and rows. As
+// text and JSON.
 // SPDX-License-Identifier: MIT
 //
-// The report names players, never "here" and "there": every player prints the same one.
+// The report names players, never "here" and "there": every player prints the same report.
 #pragma once
 
 #include <cstdint>
@@ -15,44 +16,44 @@
 
 namespace ticktrue::verifier {
 
-/// One player at the tick that differs.
+/// One player at the differing tick.
 struct DesyncPlayer {
   std::uint32_t player = 0;
   std::optional<std::uint64_t> root;
   std::optional<replay::TickInputs> inputs;
-  std::optional<std::vector<ImageTable>> tables;  // the state, where it is known; must outlive this
-  bool lost_state = false;                        // the player keeps that tick no more
-  std::vector<std::string> hashed;                // where the state is not known: columns whose hashes differ
-  replay::BuildFacts facts;                       // empty: no hello came
+  std::optional<std::vector<ImageTable>> tables;  // the state, if it is known; must outlive this object
+  bool lost_state = false;                        // the player no longer has this tick
+  std::vector<std::string> hashed;                // if the state is unknown: columns with differing hashes
+  replay::BuildFacts facts;                       // empty: no hello was received
 };
 
-/// One value that is not the same for all.
+/// One value that differs between players.
 struct DesyncLane {
-  StatePlace place;                                  // row: of the first player that has it
-  std::optional<std::uint64_t> id;                   // of the row, where its table has ids
+  StatePlace place;                                  // row: of the first player with this row
+  std::optional<std::uint64_t> id;                   // of the row, if its table has ids
   std::string name;                                  // of the row
-  std::vector<std::optional<std::uint64_t>> values;  // [player], bits; nothing: no such row, or no such state
+  std::vector<std::optional<std::uint64_t>> values;  // [player], bits; nothing: no such row, or no state
 };
 
 struct DesyncFinding {
   std::string simulation;
   std::uint64_t tick = 0;
-  std::optional<std::uint64_t> agreed;  // the last tick that was the same for all
+  std::optional<std::uint64_t> agreed;  // the last tick that was equal for all
   std::vector<DesyncPlayer> players;    // ascending
-  std::vector<DesyncLane> lanes;        // in table, row, column, lane order; the first of them
-  std::uint64_t lane_count = 0;         // of all
-  bool is_cut = false;                  // more may differ than was sent
-  bool is_whole = false;                // the states of all players of which a root is known are compared
+  std::vector<DesyncLane> lanes;        // in table, row, column, lane order; only the first lanes
+  std::uint64_t lane_count = 0;         // number of all differing lanes
+  bool is_cut = false;                  // more rows may differ than were sent
+  bool is_whole = false;                // the states of all players with a known root were compared
 };
 
 /// Fills lanes and lane_count from the states of the players.
 void compare_players(const StateSchema& schema, const RowNamer& row_name, DesyncFinding& finding);
 
-/// Players with the same root, the largest group first; of groups of one size that of the lowest player.
+/// Players with the same root. The largest group is first; of equally large groups, the one with the lowest player.
 std::vector<std::vector<std::size_t>> root_groups(const DesyncFinding& finding);
 
 std::string desync_text(const StateSchema& schema, const DesyncFinding& finding);
-/// One object, without a line break behind it.
+/// One JSON object, without a line break at its end.
 std::string desync_json(const StateSchema& schema, const DesyncFinding& finding);
 
 }  // namespace ticktrue::verifier

@@ -1,4 +1,4 @@
-// Tables with keys are walked by key, others by position.
+// Compares the rows of two states: by key if the table has one, else by position.
 // SPDX-License-Identifier: MIT
 #include "verifier/peers/peer_rows.h"
 
@@ -16,7 +16,7 @@ ByteView row_of(const TableSchema& table, const ImageTable& rows, std::size_t ro
   return rows.rows.subspan(row * table.row_size, table.row_size);
 }
 
-/// Below 0, 0 or above 0, by the unsigned values of the key columns.
+/// Compares the unsigned values of the key columns: below 0, 0 or above 0.
 int compare_key_bytes(const TableSchema& table, ByteView a, ByteView b) {
   for (std::size_t c = 0; c < table.key_column_count; ++c) {
     const Column& column = table.columns[c];
@@ -37,7 +37,7 @@ bool ascends_by_key(const TableSchema& table, const ImageTable& rows) {
   return true;
 }
 
-/// Collects rows until no more may be held.
+/// Collects rows up to the limit.
 class PeerRows {
  public:
   PeerRows(const StateSchema& schema, replay::PeerRecord& peer) : schema_(schema), peer_(peer) {}

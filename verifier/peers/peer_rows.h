@@ -1,4 +1,4 @@
-// The rows in which the state of a player differs from that of the recorder: found for a bundle, and applied again.
+// The rows in which a player's state differs from the recorder's: found for a bundle, and applied when it is read.
 // SPDX-License-Identifier: MIT
 #pragma once
 
@@ -12,18 +12,18 @@
 
 namespace ticktrue::verifier {
 
-/// Fills has_state, tables and is_cut: as many rows as a trace may hold of a player.
+/// Fills has_state, tables and is_cut: with at most as many rows as a trace may store of a player.
 void set_peer_rows(const StateSchema& schema, std::span<const ImageTable> recorder, std::span<const ImageTable> player,
                    replay::PeerRecord& peer);
 
-/// The rows of each table of the player. Errors: corrupt (rows that the recorder does not have).
+/// The rows of each table of the player. Errors: corrupt (rows that the recorder lacks).
 Result<std::vector<Bytes>> rows_of_peer(const StateSchema& schema, std::span<const ImageTable> recorder,
                                         const replay::PeerRecord& peer);
 
 /// Views of such rows.
 std::vector<ImageTable> tables_of(const StateSchema& schema, const std::vector<Bytes>& rows);
 
-/// The root hash of a state that is given as little-endian rows.
+/// The root hash of a state that consists of little-endian rows.
 std::uint64_t root_of_tables(const StateSchema& schema, std::span<const ImageTable> tables);
 
 }  // namespace ticktrue::verifier

@@ -1,4 +1,4 @@
-// Loading plug-ins, checking what they say, and driving them.
+// Loads plug-ins, checks their data, and calls them.
 // SPDX-License-Identifier: MIT
 #include "verifier/plugins/plugin.h"
 
@@ -26,27 +26,27 @@
 #define TICKTRUE_HAS_DLOPEN 1
 #endif
 
-/// What a plug-in's `columns` writes to.
+/// The target of a plug-in's `columns`.
 struct ticktrue_columns {
   ticktrue::GatheredState& state;
   ticktrue::Status failure;
 };
 
-/// What a plug-in's `step` says its stages to.
+/// The target of stage reports in a plug-in's `step`.
 struct ticktrue_stages {
   void* simulation;  // ticktrue::verifier::PluginSimulation
   ticktrue::StageObserver* observer;
-  std::uint32_t next;  // stage expected
+  std::uint32_t next;  // the next expected stage
 };
 
 namespace ticktrue::verifier {
 namespace {
 
-constexpr std::size_t text_size_max = 64 * 1024;  // of inputs as text; messages and names are shorter
-constexpr std::size_t build_size_max = 4'096;     // a trace holds no longer fact
+constexpr std::size_t text_size_max = 64 * 1024;  // bytes of inputs as text; messages and names are shorter
+constexpr std::size_t build_size_max = 4'096;     // bytes; a trace stores no longer fact
 static_assert(TICKTRUE_SAVE_FAILED == save_refused);
 
-/// A loaded library. One call at a time: plug-ins are not asked to be safe for threads.
+/// A loaded library. Calls are serialised: plug-ins need not be thread-safe.
 struct Plugin {
   std::string path;
   ticktrue_plugin functions{};
@@ -65,7 +65,7 @@ std::string_view bounded(const char* text) {
   return text == nullptr ? std::string_view() : std::string_view(text, strnlen(text, limits::name_size_max + 1));
 }
 
-/// A buffer for the text of a plug-in.
+/// A buffer for text from a plug-in.
 class TextBuffer {
  public:
   explicit TextBuffer(std::size_t size) : text_(size, '\0') {}
@@ -172,12 +172,12 @@ class PluginSimulation : public Simulation {
 
   void after_stage(std::uint32_t stage, ticktrue_stages& stages) {
     if (stage != stages.next || stage >= plugin_.stages.size()) {
-      stages.next = static_cast<std::uint32_t>(plugin_.stages.size()) + 1;  // told when step returns
+      stages.next = static_cast<std::uint32_t>(plugin_.stages.size()) + 1;  // reported when step returns
       return;
     }
     ++stages.next;
     if (stages.observer == nullptr) return;
-    if (!gather()) return;  // told when step returns
+    if (!gather()) return;  // reported when step returns
     stages.observer->after_stage(stage, state_.view());
   }
 
@@ -300,9 +300,9 @@ class PluginSimulation : public Simulation {
 
   Plugin& plugin_;
   void* simulation_ = nullptr;
-  SaveCalls saves_;  // not set where it has none
+  SaveCalls saves_;  // empty: the plug-in has none
   GatheredState state_;
-  std::uint64_t tick_ = 0;  // ticks done since it was made; behind load_saved those of the state
+  std::uint64_t tick_ = 0;  // number of ticks since it was made; after load_saved, number of ticks of the loaded state
 };
 
 void host_stage_done(ticktrue_stages* stages, std::uint32_t stage) {
@@ -330,7 +330,7 @@ Error no_entry_error(const std::string& path) {
 
 #if defined(TICKTRUE_HAS_DLOPEN)
 Result<Entry> find_entry(const std::string& path) {
-  // A name without a slash would be looked for in the system's folders.
+  // The system would search its own folders for a name without a slash.
   const std::string file = path.find('/') == std::string::npos ? "./" + path : path;
   void* library = dlopen(file.c_str(), RTLD_NOW | RTLD_LOCAL);
   if (library == nullptr) {
@@ -343,7 +343,7 @@ Result<Entry> find_entry(const std::string& path) {
 }
 #elif defined(_WIN32)
 Result<Entry> find_entry(const std::string& path) {
-  // A whole path: what the plug-in needs is then looked for beside it, too.
+  // An absolute path: the system then also searches the plug-in's dependencies beside it.
   std::error_code failure;
   const std::filesystem::path file = std::filesystem::absolute(path, failure);
   const HMODULE library = ::LoadLibraryExW(file.c_str(), nullptr, LOAD_WITH_ALTERED_SEARCH_PATH);
@@ -361,7 +361,7 @@ Result<Entry> find_entry(const std::string& path) {
 }
 #endif
 
-/// Copies what the plug-in says of itself, as far as it and we know it.
+/// Copies the plug-in's description, up to the size that both it and this build know.
 Status read_plugin(const ticktrue_plugin& given, Plugin& plugin) {
   constexpr std::size_t size_min = offsetof(ticktrue_plugin, inputs_text) + sizeof(void*);
   if (given.struct_size < size_min || given.struct_size > 4096)

@@ -1,4 +1,4 @@
-// Simulations from shared libraries: loads a plug-in of include/ticktrue.h and shows it as a Simulation.
+// Simulations from shared libraries: loads a plug-in of include/ticktrue.h and makes it available as a Simulation.
 // SPDX-License-Identifier: MIT
 #pragma once
 
@@ -15,8 +15,8 @@
 
 namespace ticktrue::verifier {
 
-/// A plug-in's step, columns or destroy that said it failed: nothing can go on from there. The command line catches it,
-/// and `verify` for each of several files.
+/// A plug-in's step, columns or destroy reported a failure: its simulation cannot continue. The command line catches
+/// this exception, and `verify` catches it for each of several files.
 class PluginFailure : public std::runtime_error {
  public:
   using std::runtime_error::runtime_error;
@@ -25,17 +25,17 @@ class PluginFailure : public std::runtime_error {
 /// Whether this system loads shared libraries into a running program.
 bool can_load_plugins();
 
-/// Loads a library and adds its simulation to those of simulations(). Stays loaded until the process ends.
-/// Errors: io (no such library, no entry), incompatible (another version of the interface), usage (what it says of
-/// itself is wrong, or a simulation of its name is there already).
+/// Loads a library and adds its simulation to simulations(). The library stays loaded until the process ends.
+/// Errors: io (no such library, no entry), incompatible (another version of the interface), usage (its description is
+/// wrong, or its name is taken).
 Status load_plugin(const std::string& path, const std::function<bool(std::string_view)>& is_taken);
 
-/// Those loaded, in order.
+/// The loaded simulations, in the order of loading.
 std::span<const SimulationInfo* const> plugin_simulations();
-/// The library that brought a simulation, as it was named to load_plugin; empty where none did.
+/// The library of a simulation, as named in load_plugin; empty: it is not from a library.
 std::string plugin_path(std::string_view simulation);
-/// What is known of that library, as build facts of a trace: plugin.path, and plugin.build where it tells of its build.
-/// Empty where no library brought the simulation.
+/// Facts about this library as build facts of a trace: plugin.path, and plugin.build if the plug-in states its build.
+/// Empty: the simulation is not from a library.
 std::vector<std::pair<std::string, std::string>> plugin_facts(std::string_view simulation);
 
 }  // namespace ticktrue::verifier

@@ -1,4 +1,4 @@
-// Quotes and backslashes as in POSIX.1-2017, Shell Command Language, 2.2 Quoting.
+// Splits commands with quotes and backslashes as in POSIX.1-2017, Shell Command Language, 2.2 Quoting.
 // SPDX-License-Identifier: MIT
 #include "verifier/programs/command_words.h"
 

@@ -15,7 +15,7 @@ constexpr std::size_t linker_name_size_max = 4'096;
 constexpr std::uint32_t linker_segment = 3;  // PT_INTERP
 constexpr std::uint32_t note_segment = 4;    // PT_NOTE
 
-/// Where the fields of an ELF file stand: of 32-bit and of 64-bit programs.
+/// The offsets of fields in an ELF file, for 32-bit and 64-bit programs.
 struct ElfLayout {
   std::size_t file_header_size;
   std::size_t word_size;
@@ -23,7 +23,7 @@ struct ElfLayout {
   std::size_t header_size;     // of the field
   std::size_t header_count;    // of the field
   std::size_t segment_size;    // of a program header
-  std::size_t offset;          // of the field in a program header; the size in the file is `file_size`
+  std::size_t offset;          // of the field in a program header; the size in the file is at `file_size`
   std::size_t file_size;
   std::size_t alignment;
 };

@@ -1,4 +1,4 @@
-// What ELF programs and libraries say of themselves: segments, build id, dynamic linker.
+// The parts of ELF programs and libraries that identify them: segments, build id, dynamic linker.
 // SPDX-License-Identifier: MIT
 //
 // Source: System V ABI, ELF header and program header; the numbers are those of elf.h.
@@ -23,16 +23,17 @@ struct ElfSegment {
   std::uint64_t alignment = 0;  // bytes
 };
 
-/// Reads parts of an ELF file of either word size and byte order. Every size in the file is bounded before anything is
-/// read by it.
+/// Reads parts of an ELF file with either word size and byte order. Each size in the file is limited before anything is
+/// read with it.
 class ElfFile {
  public:
-  /// None: no ELF program or library, or headers that are damaged. Requires: the stream outlives this.
+  /// Nothing: the file is not an ELF program or library, or its headers are damaged. Requires: the stream outlives this
+  /// object.
   static std::optional<ElfFile> open(std::istream& in);
 
   const std::vector<ElfSegment>& segments() const { return segments_; }
   ByteOrder order() const { return order_; }
-  /// Fewer bytes where the file ends; none of a segment that is longer than `size_max`.
+  /// Fewer bytes: the file ends. Empty: the segment is longer than `size_max`.
   Bytes read(const ElfSegment& segment, std::size_t size_max);
 
  private:
@@ -45,9 +46,9 @@ class ElfFile {
   std::vector<ElfSegment> segments_;
 };
 
-/// The build id of a program or library in hexadecimal digits; empty: it is none, or has none.
+/// The build id of a program or library in hexadecimal digits; empty: it has none, or is not an ELF file.
 std::string elf_build_id(std::istream& in);
-/// The dynamic linker that a program asks for, at most 4,096 bytes; empty: it asks for none, or is no program.
+/// The dynamic linker that a program names, at most 4,096 bytes; empty: it names none, or is not a program.
 std::string elf_linker_name(std::istream& in);
 
 }  // namespace ticktrue::verifier

@@ -1,4 +1,4 @@
-// The lines of --list.
+// Parses the lines of --list.
 // SPDX-License-Identifier: MIT
 #include "verifier/programs/linked_libraries.h"
 

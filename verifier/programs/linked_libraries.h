@@ -1,4 +1,4 @@
-// What a dynamic linker says of the libraries of a program.
+// The libraries of a program, as its dynamic linker lists them.
 // SPDX-License-Identifier: MIT
 #pragma once
 
@@ -9,7 +9,7 @@
 
 namespace ticktrue::verifier {
 
-/// The paths in what a dynamic linker prints for --list. Errors: io (a library that it did not find).
+/// The paths in a dynamic linker's output for --list. Errors: io (a library that the linker did not find).
 Result<std::vector<std::string>> listed_libraries(const std::string& program, const std::string& text);
 
 }  // namespace ticktrue::verifier

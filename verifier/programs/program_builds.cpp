@@ -1,4 +1,4 @@
-// Looks for executable files and their build ids.
+// Searches executable files and their build ids.
 // SPDX-License-Identifier: MIT
 #include "verifier/programs/program_builds.h"
 
@@ -25,7 +25,7 @@ bool is_executable(const fs::directory_entry& entry) {
   return !failure && (perms & fs::perms::owner_exec) != fs::perms::none;
 }
 
-/// Sorted, so that of two copies the choice does not depend on the disk.
+/// Sorted, so that the choice between copies does not depend on the file system.
 Result<std::vector<std::string>> executables_in(const std::string& folder) {
   std::vector<std::string> paths;
   std::size_t count = 0;

@@ -12,12 +12,12 @@ namespace ticktrue::verifier {
 
 class ProgramBuilds {
  public:
-  /// Reads the executable files of the folder and of those below it. Errors: usage (no folder, no program with a build
-  /// id), limit (more files than 100,000).
+  /// Reads the executable files of the folder and its subfolders. Errors: usage (no folder, no program with a build
+  /// id), limit (more than 100,000 files).
   static Result<ProgramBuilds> find(const std::string& folder);
 
-  /// The program that recorded the trace: of several copies, the first by name. Errors: incompatible (none of them, or
-  /// the trace does not name it); what TraceReader::open refuses.
+  /// The program that recorded the trace; of several copies, the first by name. Errors: incompatible (the folder lacks
+  /// it, or the trace does not name it); the errors of TraceReader::open.
   Result<std::string> recorder_of(const std::string& trace) const;
 
  private:
@@ -27,7 +27,7 @@ class ProgramBuilds {
   std::map<std::string, std::string> paths_;  // by build id
 };
 
-/// Puts the program in place of each {build} in the words; false: there is none.
+/// Replaces each {build} in the words by the program. False: there is none.
 bool replace_build(std::vector<std::string>& words, const std::string& program);
 
 }  // namespace ticktrue::verifier

@@ -1,4 +1,4 @@
-// Words, the search in PATH, and `LINKER --list PROGRAM`.
+// Finds the files of a command: its words, the search in PATH, and `LINKER --list PROGRAM`.
 // SPDX-License-Identifier: MIT
 #include "verifier/programs/program_files.h"
 
@@ -43,7 +43,7 @@ bool is_file(const std::string& path) {
   return fs::is_regular_file(path, failure);
 }
 
-/// As execvp finds it; empty: it does not.
+/// Finds a program as execvp does; empty: not found.
 std::string find_program(const std::string& word) {
   if (word.find('/') != std::string::npos) return is_file(word) ? word : "";
   const char* variable = std::getenv("PATH");
@@ -69,7 +69,7 @@ class Files {
     return {};
   }
 
-  /// A file, or all files of a folder and of those in it.
+  /// Adds a file, or all files in a folder and its subfolders.
   Status add_named(const std::string& path) {
     std::error_code failure;
     if (!fs::is_directory(path, failure)) {
@@ -86,7 +86,8 @@ class Files {
     return {};
   }
 
-  /// Of every program among the files. The first is the one that is started; any other may be of another system.
+  /// Adds the libraries of each program among the files. Only the first file is the program that runs; others may be
+  /// for another system.
   Status add_libraries() {
     const std::size_t count = files_.size();
     for (std::size_t i = 0; i < count; ++i) {
@@ -132,7 +133,7 @@ class Files {
   std::vector<ProgramFile> files_;
 };
 
-/// The files that a word may name: the word, and what is behind its first '='.
+/// The files that a word may name: the word itself, and the text after its first '='.
 std::vector<std::string> names_in(const std::string& word) {
   std::vector<std::string> names{word};
   if (const std::size_t equals = word.find('='); equals != std::string::npos) names.push_back(word.substr(equals + 1));

@@ -1,4 +1,4 @@
-// The result file is that of TICKTRUE_RESULT; the page tells the tick of a program that ends without a result.
+// Runs the program. The result is in the file of TICKTRUE_RESULT. If there is none, the page has the last tick.
 // SPDX-License-Identifier: MIT
 #include "verifier/programs/program_run.h"
 
@@ -19,7 +19,7 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr std::uint64_t printed_size_max = std::uint64_t{1} << 30;
-constexpr std::size_t output_size_max = 64u << 10;  // of standard output, which nobody reads
+constexpr std::size_t output_size_max = 64u << 10;  // of standard output, which is not used
 constexpr std::uintmax_t result_size_max = 16u << 20;
 constexpr std::uintmax_t mapped_size_max = 4u << 20;
 constexpr std::size_t line_size_max = 160;
@@ -40,7 +40,7 @@ void read_page(const std::string& path, ProgramRun& run) {
   run.position = part.position;
 }
 
-/// Removes its files.
+/// Removes the files of a run.
 class RunFiles {
  public:
   explicit RunFiles(const std::string& stem) : page(stem), result(stem + ".json"), mapped(stem + ".mapped") {}
@@ -75,7 +75,7 @@ Result<std::string> read_result(const std::string& path) {
   return read_text(path, size);
 }
 
-/// `result_count`: sessions that reported. Each of them must have told what its process has mapped.
+/// `result_count`: number of sessions that reported. Each of them must have listed the mappings of its process.
 std::optional<std::vector<std::string>> read_mapped(const std::string& path, std::ptrdiff_t result_count) {
   std::error_code none;
   const std::uintmax_t size = fs::file_size(path, none);

@@ -1,4 +1,4 @@
-// One run, and of a finding a second one; both are judged alike.
+// Runs the program once, and again after a finding. Both runs are judged in the same way.
 // SPDX-License-Identifier: MIT
 #include "verifier/programs/verify_program.h"
 
@@ -19,11 +19,11 @@
 namespace ticktrue::verifier {
 namespace {
 
-/// What a run says of the trace.
+/// What a run shows about the trace.
 struct Judged {
   Report report;
-  std::string finding;    // the same in two runs that did the same
-  bool repeats = false;   // a second run tells whether the program repeats it
+  std::string finding;    // equal for two runs with the same result
+  bool repeats = false;   // a second run shows whether the result repeats
   bool is_whole = false;  // as in ProgramVerdict
 };
 
@@ -131,7 +131,7 @@ class ProgramVerification {
     return finding(std::move(*read));
   }
 
-  /// The first report that is no match counts. Returns what is wrong with the lines; empty: nothing.
+  /// Uses the first report that is not a match. Returns what is wrong with the lines; empty: nothing.
   std::string read_results(const std::string& results, std::optional<ReadReport>& read) const {
     const StateSchema& schema = reader_.setup().whole_schema ? *reader_.setup().whole_schema : reader_.setup().schema;
     std::istringstream lines(results);
@@ -146,7 +146,7 @@ class ProgramVerification {
     return "";
   }
 
-  /// It crashed, hung or printed without end. A finding that it reported before stays one.
+  /// Judges a run that crashed, hung or printed without end. An earlier finding stays a finding.
   Judged broken_off(const ProgramRun& run, std::optional<ReadReport>& read) {
     const bool is_hung = run.child.end.how != ChildEnd::How::killed_by_signal;
     const std::string what = command_.words.front() + " " + run.failure;
@@ -210,7 +210,7 @@ class ProgramVerification {
     return Judged{std::move(report), std::move(read.finding), false, true};
   }
 
-  /// What a report of a match says otherwise than the trace; empty: nothing.
+  /// How a report of a match contradicts the trace; empty: it does not.
   std::string contradiction(const Report& report) {
     if (report.simulation != reader_.setup().simulation)
       return "simulation: found " + plain_line(report.simulation) + ", expected " + reader_.setup().simulation;

@@ -1,9 +1,9 @@
-// Verification of a trace by the program that recorded it: the tool runs the program, whose session compares.
+// Verification of a trace by the program that recorded it: the tool runs the program, and its session compares.
 // SPDX-License-Identifier: MIT
 //
-// Verified: that the program ended by itself with status 0, that its session finished the comparison, that its report
-// is of this trace (simulation, ticks, recorded hash of the last tick compared); of a finding, that a second run has
-// the same one. Not verified: that the program computed what it registered. One that copies the trace can deceive.
+// Verified: the program ended by itself with status 0; its session finished the comparison; its report is about this
+// trace (simulation, ticks, recorded hash of the last tick compared); a second run has the same finding. Not verified:
+// that the program computed what it registered. A program that copies the trace can deceive.
 #pragma once
 
 #include <optional>
@@ -17,21 +17,21 @@ namespace ticktrue::verifier {
 
 struct ProgramCommand {
   std::vector<std::string> words;  // of split_command
-  std::string folder;              // for the files of runs
-  double time_s = 600;             // of a run
+  std::string folder;              // for the files of the runs
+  double time_s = 600;             // limit for a run
 };
 
 struct ProgramVerdict {
   Report report;
-  /// The program ended by itself in each run, and its session reported: the same happens again. False: what a limit, a
-  /// signal or a missing session left, which the next run may not repeat.
+  /// In each run the program ended by itself and its session reported: the result repeats. False: a limit, a signal or
+  /// a missing session ended a run, which the next run may not repeat.
   bool is_whole = false;
   /// Programs and shared libraries of the last run; see ProgramRun.
   std::optional<std::vector<std::string>> mapped;
   std::vector<EscapedChild> escaped;  // processes that left the program's process group
 };
 
-/// From any thread. `name`: of the files of its runs; another one for each call.
+/// Thread-safe. `name`: name of the files of its runs, different for each call.
 ProgramVerdict verify_by_program(const std::string& file, const ProgramCommand& command, const std::string& name);
 
 }  // namespace ticktrue::verifier

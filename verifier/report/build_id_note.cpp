@@ -1,4 +1,4 @@
-// Goes through the notes; each size is compared with what is left.
+// Searches the notes. Each size is compared with the remaining bytes.
 // SPDX-License-Identifier: MIT
 #include "verifier/report/build_id_note.h"
 

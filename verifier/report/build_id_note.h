@@ -1,4 +1,4 @@
-// The build id that a linker left in a program: among its ELF notes.
+// The build id that a linker stores in the ELF notes of a program.
 // SPDX-License-Identifier: MIT
 #pragma once
 
@@ -10,14 +10,14 @@
 
 namespace ticktrue::verifier {
 
-/// The build fact of a trace that names the program which recorded it.
+/// The build fact of a trace that identifies the recording program.
 inline constexpr std::string_view build_id_fact = "program.build_id";
 
 enum class ByteOrder { little, big };
 inline constexpr ByteOrder native_order = machine_is_little_endian ? ByteOrder::little : ByteOrder::big;
 
 /// The build id among the notes of one segment, as lower-case hexadecimal digits; empty: none. `alignment`: 4 or 8
-/// bytes. `order`: of the program's numbers.
+/// bytes. `order`: byte order of the program.
 std::string build_id_among(ByteView notes, std::size_t alignment, ByteOrder order = native_order);
 
 }  // namespace ticktrue::verifier

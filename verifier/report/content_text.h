@@ -1,4 +1,4 @@
-// Texts and strings of bytes in reports: quoted, escaped, and no more than what stands around the difference.
+// Texts and byte strings in reports: quoted, escaped, and shortened around the difference.
 // SPDX-License-Identifier: MIT
 #pragma once
 
@@ -11,26 +11,26 @@
 
 namespace ticktrue::verifier {
 
-/// Bytes that a report shows before the first that differs, and from it on.
+/// Number of bytes in a report before the first differing byte, and from this byte on.
 inline constexpr std::size_t content_before_max = 24;
 inline constexpr std::size_t content_behind_max = 40;
 
-/// Between quotes, on one line. Quotes, backslashes and control characters are escaped as in C; a byte that is no UTF-8
-/// is \xNN.
+/// The text in quotes, on one line. Quotes, backslashes and control characters are escaped as in C. A byte that is not
+/// valid UTF-8 becomes \xNN.
 std::string quoted(std::string_view text);
 /// "00 1f ff", at most 16 bytes.
 std::string hex_bytes(std::string_view bytes);
 
-/// Two digits a byte, without spaces, and back: nothing where it is no such text.
+/// Two digits per byte, without spaces, and the reverse, which returns nothing for another text.
 std::string hex_text(std::string_view bytes);
 std::optional<std::string> bytes_of_hex(std::string_view text);
 
 /// Place and owner: "units[3].name  (id 7)".
 std::string content_place(const ContentReport& content);
-/// Both sides, and where they differ.
+/// The values of both sides, and the place of the difference.
 std::string content_values(const ContentReport& content, const std::string& expected_name, const std::string& got_name);
 
-/// Bytes of the UTF-8 character at the begin of the text; 0: there is none.
+/// Size in bytes of the UTF-8 character at the begin of the text; 0: there is none.
 std::size_t utf8_size(std::string_view text);
 
 }  // namespace ticktrue::verifier

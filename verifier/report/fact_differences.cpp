@@ -1,4 +1,4 @@
-// Which facts of two programs differ, in the order in which they explain other bits.
+// Finds the facts in which two programs differ, in the order of how likely they change bits.
 // SPDX-License-Identifier: MIT
 #include "verifier/report/fact_differences.h"
 
@@ -14,7 +14,7 @@ constexpr std::string_view caller_prefix = "caller.";
 constexpr std::string_view program_prefix = "program.";
 constexpr std::string_view plugin_prefix = "plugin.";
 
-constexpr std::size_t build_id_shown_max = 16;  // digits: JSON and `show` have all of them
+constexpr std::size_t build_id_shown_max = 16;  // digits; JSON and `show` print all
 
 /// Facts of TICKTRUE_CALLER_FACTS that change results of the same source, the most frequent cause first.
 constexpr std::array<std::string_view, 5> facts_of_bits{"fused", "fast_math", "unsafe_math", "finite_math",
@@ -30,7 +30,7 @@ const std::string* find_fact(const replay::BuildFacts& facts, std::string_view n
   return nullptr;
 }
 
-/// Of caller.UNIT.NAME the unit; of caller.NAME nothing.
+/// The unit in caller.UNIT.NAME; nothing for caller.NAME.
 std::string_view unit_of(std::string_view name) {
   name.remove_prefix(caller_prefix.size());
   const std::size_t dot = name.rfind('.');
@@ -43,7 +43,7 @@ bool has_unit(const replay::BuildFacts& facts, std::string_view unit) {
   });
 }
 
-/// Place among facts_of_bits; their count for all other facts.
+/// Index in facts_of_bits; for another fact, the size of facts_of_bits.
 std::size_t rank_of(std::string_view name) {
   const std::size_t dot = name.rfind('.');
   const std::string_view last = dot == std::string_view::npos ? name : name.substr(dot + 1);
@@ -90,7 +90,7 @@ std::vector<FactDifference> fact_differences(const replay::BuildFacts& a, const 
     const bool is_known = value_a != not_known && value_b != not_known;
     found.push_back({std::string(name), value_a, value_b, is_known && rank_of(name) < facts_of_bits.size()});
   };
-  // A unit that one side does not name is one difference, not one for each of its facts.
+  // A unit that only one side names is one difference, not one for each of its facts.
   const auto add_unit = [&](std::string_view name, bool is_of_a) {
     const std::string unit(unit_of(name));
     const auto same = [&](const FactDifference& difference) { return difference.name == unit; };

@@ -1,4 +1,4 @@
-// Marks that known bugs leave in values.
+// Recognises marks that known bugs leave in values.
 // SPDX-License-Identifier: MIT
 #include "verifier/report/likely_causes.h"
 
@@ -70,7 +70,7 @@ double as_double(const LaneReport& lane, std::uint64_t bits) {
   return static_cast<double>(bits);
 }
 
-/// A lane that both sides have.
+/// A lane with values on both sides.
 struct Pair {
   const LaneReport* lane;
   std::uint64_t expected;
@@ -84,7 +84,7 @@ std::vector<Pair> pairs_of(const Divergence& divergence) {
   return pairs;
 }
 
-/// The sign of a zero decides the sign of what is made from it.
+/// Whether the values are negatives of each other. The sign of a zero decides the sign of later values.
 bool is_negated(const Pair& pair) {
   const std::uint64_t sign = std::uint64_t{1} << (bit_count(*pair.lane) - 1);
   if (is_float(*pair.lane)) return (pair.expected ^ pair.got) == sign;
@@ -104,7 +104,7 @@ bool is_flushed(const Pair& pair) {
   return flushed(pair.expected, pair.got) || flushed(pair.got, pair.expected);
 }
 
-/// Four or eight times the same byte, one that debug heaps and perturbed allocators write.
+/// Whether the value is a byte, repeated four or eight times, that debug heaps and perturbed allocators write.
 bool is_fill(const LaneReport& lane, std::uint64_t bits) {
   constexpr std::array<std::uint8_t, 10> fills{0xcd, 0xcc, 0xdd, 0xfd, 0xbe, 0xa5, 0x5a, 0xab, 0xaa, 0xfe};
   const std::size_t size = scalar_info(lane.type)->size;
@@ -117,7 +117,7 @@ bool is_fill(const Pair& pair) {
   return is_fill(*pair.lane, pair.expected) != is_fill(*pair.lane, pair.got);
 }
 
-/// Where Linux puts programs, libraries, stacks and heaps of 64 bits.
+/// Whether the value is in the range of programs, libraries, stacks and heaps on 64-bit Linux.
 bool is_address(std::uint64_t bits) {
   const std::uint64_t top = bits >> 40;
   return top == 0x7f || top == 0x55 || top == 0x56;
@@ -126,7 +126,8 @@ bool is_address(const Pair& pair) {
   return !is_float(*pair.lane) && bit_count(*pair.lane) == 64 && is_address(pair.expected) && is_address(pair.got);
 }
 
-/// Seconds, milliseconds, microseconds or nanoseconds since 1970, of the years 2017 to 2043, at most ten years apart.
+/// Whether both are times since 1970 in seconds, milliseconds, microseconds or nanoseconds, in 2017 to 2043, at most
+/// ten years apart.
 bool is_clock(const Pair& pair) {
   constexpr double first = 1.48e9, last = 2.3e9, apart = 3.2e8;
   if (bit_count(*pair.lane) < 32 || pair.lane->type == ScalarType::f32) return false;
@@ -138,7 +139,7 @@ bool is_clock(const Pair& pair) {
   return false;
 }
 
-/// The "indefinite" integer of x86 on one side, and what other processors give on the other.
+/// Whether one side is the "indefinite" integer of x86, and the other the result of other processors.
 bool is_out_of_range(const Pair& pair) {
   const unsigned bits = bit_count(*pair.lane);
   if (is_float(*pair.lane) || bits < 32) return false;
@@ -169,7 +170,7 @@ Column column_of(const LaneReport& lane) {
   return {lane.table, lane.column + "#" + std::to_string(lane.lane)};
 }
 
-/// The rows of some column have each other's values.
+/// Whether rows of a column have exchanged values.
 bool has_other_row_order(const Divergence& divergence, const std::vector<Pair>& pairs) {
   if (divergence.from_cells && divergence.candidate_count == 0 && divergence.unexplained_cells == 0 &&
       !divergence.tables.empty())
@@ -189,11 +190,11 @@ bool has_other_row_order(const Divergence& divergence, const std::vector<Pair>& 
   return false;
 }
 
-/// Two rows of a column of integers: what one has more, the other has less.
+/// Whether of two rows of an integer column one has gained what the other has lost.
 bool is_given_to_another(const std::vector<Pair>& pairs) {
   std::map<Column, std::vector<std::uint64_t>> more;
   for (const Pair& pair : pairs) {
-    // Both sides modulo the size of the type.
+    // Both sides modulo 2^(size of the type).
     const unsigned unused = 64 - bit_count(*pair.lane);
     if (!is_float(*pair.lane)) more[column_of(*pair.lane)].push_back((pair.got - pair.expected) << unused);
   }
@@ -224,12 +225,12 @@ bool draws_other_count(const MarksDifference& marks) {
   });
 }
 
-/// The first of the marks that hardly anything else leaves.
+/// Adds the first mark that hardly anything else leaves.
 void add_mark_of_values(const std::vector<Pair>& pairs, std::vector<Cause>& found) {
   struct Mark {
     Cause cause;
     bool (*is)(const Pair&);
-    bool wants_all;  // of the lanes: one alone can be chance
+    bool wants_all;  // all lanes must have the mark: a single lane can be chance
   };
   constexpr std::array<Mark, 7> marks{{{Cause::uninitialised_memory, is_fill, false},
                                        {Cause::address, is_address, false},
@@ -268,7 +269,7 @@ std::vector<Cause> likely_causes(const Symptoms& symptoms) {
   if (symptoms.begins_at_checkpoint) found.push_back(Cause::unsaved_state);
   if (symptoms.marks != nullptr && draws_other_count(*symptoms.marks)) found.push_back(Cause::shared_generator);
   add_mark_of_values(pairs, found);
-  // Floats that differ by builds end in any column: a fact that changes bits is named whatever the values are.
+  // Different floats between builds can appear in any column: a fact that changes bits is named for any values.
   if (const auto builds = cause_of_builds(symptoms); builds && found.empty()) found.push_back(*builds);
   if (found.empty()) add_weak_marks(symptoms, pairs, found);
   if (found.size() > cause_count_max) found.resize(cause_count_max);

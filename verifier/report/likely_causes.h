@@ -1,9 +1,9 @@
-// What a difference looks like, and which bugs look like that.
+// Likely bugs behind a difference, from marks in the values.
 // SPDX-License-Identifier: MIT
 //
-// A cause is named only where the values show its mark: a fill byte of a debug heap, an address, two zeros of other
-// sign, rows that have each other's values. Where no mark is seen, no cause is named. Ours is no simulation with such
-// bugs: for `ticktrue.engine` nothing is named.
+// A cause is named only if the values have its mark: a fill byte of a debug heap, an address, two zeros of different
+// sign, rows with exchanged values. Without a mark, no cause is named. The engine has no such bugs: for
+// `ticktrue.engine` no cause is named.
 #pragma once
 
 #include <array>
@@ -39,27 +39,27 @@ enum class Cause : std::uint8_t {
 struct CauseInfo {
   Cause cause;
   std::string_view name;  // in JSON
-  std::string_view text;  // for people: what is seen, and what makes it
+  std::string_view text;  // for people: the mark, and its possible origin
 };
 inline constexpr std::size_t cause_count = 17;
 extern const std::array<CauseInfo, cause_count> causes;
 const CauseInfo& cause_info(Cause cause);
 
-/// What is known of a difference between two runs.
+/// The known facts about a difference between two runs.
 struct Symptoms {
   std::string_view simulation;
   const Divergence* divergence = nullptr;  // null: no difference
-  const MarksDifference* marks = nullptr;  // null: as recorded, or not compared
+  const MarksDifference* marks = nullptr;  // null: equal to the recorded marks, or not compared
   const replay::BuildFacts* build_a = nullptr;
   const replay::BuildFacts* build_b = nullptr;
   bool repeats = true;                // two runs here are equal
-  bool begins_at_checkpoint = false;  // a run from the start does not differ
+  bool begins_at_checkpoint = false;  // a run from the start has no difference
 };
 
-/// At most two, the likelier one first. Empty where nothing differs, and where the values have no mark of a known bug.
+/// At most two causes, the likelier first. Empty: no difference, or no mark of a known bug in the values.
 std::vector<Cause> likely_causes(const Symptoms& symptoms);
 std::vector<Cause> likely_causes(const Report& report);
-/// What is seen and what makes it; the second line begins with "or".
+/// The mark and its possible origin; the second line begins with "or".
 std::vector<std::string> cause_lines(const std::vector<Cause>& found);
 
 }  // namespace ticktrue::verifier

@@ -1,4 +1,4 @@
-// CPU, instruction set and control word, for people: nothing is decided by them (base/float_behaviour.h decides).
+// CPU, instruction set and control word, for people only (base/float_behaviour.h makes decisions).
 // SPDX-License-Identifier: MIT
 #include "verifier/report/machine.h"
 
@@ -10,7 +10,7 @@
 namespace ticktrue::verifier {
 namespace {
 
-/// The file is Linux only.
+/// Only Linux has this file.
 std::string cpu_name() {
   std::FILE* file = std::fopen("/proc/cpuinfo", "rb");
   if (file == nullptr) return "";

@@ -1,4 +1,4 @@
-// What this machine is: CPU, the instruction set this build computes with, the floating point control word.
+// A description of this machine: CPU, the instruction set of this build, the floating point control word.
 // SPDX-License-Identifier: MIT
 #pragma once
 
@@ -7,9 +7,9 @@
 namespace ticktrue::verifier {
 
 struct MachineFacts {
-  std::string cpu;              // "AMD EPYC ..."; empty where the system does not say
+  std::string cpu;              // "AMD EPYC ..."; empty: unknown
   std::string instruction_set;  // the widest vector instructions the engine was compiled for
-  std::string control_word;     // of the calling thread: "MXCSR 00001f80"; empty where the CPU has none
+  std::string control_word;     // of the calling thread: "MXCSR 00001f80"; empty: the CPU has none
 };
 
 MachineFacts machine_facts();

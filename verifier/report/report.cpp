@@ -1,4 +1,4 @@
-// Verdicts, exit codes, and text that several printers use.
+// Verdicts, exit codes, and text for several printers.
 // SPDX-License-Identifier: MIT
 #include "verifier/report/report.h"
 
@@ -10,7 +10,7 @@
 namespace ticktrue::verifier {
 namespace {
 
-constexpr std::size_t name_shown_max = 4;  // of marks
+constexpr std::size_t name_shown_max = 4;  // names of marks in a line
 
 std::string times(std::uint64_t count) {
   return count == 0 ? "never" : count_text(count, "time");
@@ -93,7 +93,7 @@ std::vector<std::string> split_lines(const std::string& text) {
 }
 
 std::string facts_line(const replay::BuildFacts& facts) {
-  // The facts every recorder writes, in the form of build_line(); others follow with their names.
+  // The facts of every recorder, in the form of build_line(), then others with their names.
   std::string known, others;
   for (const char* name : {"version", "commit", "compiler", "flags", "target"})
     for (const auto& [found, value] : facts) {

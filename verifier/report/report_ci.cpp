@@ -1,4 +1,4 @@
-// JUnit XML, workflow commands, Markdown.
+// Writes JUnit XML, workflow commands and Markdown.
 // Source: JUnit XML as Jenkins and GitLab read it (testmoapp/junitxml, "JUnit XML format"); GitHub Docs, "Workflow
 // commands for GitHub Actions" (escapes, parameters).
 // SPDX-License-Identifier: MIT
@@ -23,7 +23,7 @@ std::string markdown_cell(std::string_view text) {
   return safe;
 }
 
-/// Findings are failures of the test; what could not be judged is an error of it.
+/// A finding is a failure of the test. A trace that could not be judged is an error.
 enum class Outcome { passed, failure, error };
 Outcome outcome_of(const Report& report, bool allow_truncated) {
   switch (report.exit_code(allow_truncated)) {
@@ -67,7 +67,7 @@ std::string xml_text(std::string_view text) {
     else if (c == '\n')
       safe += "&#10;";
     else
-      safe += byte < 0x20 || byte >= 0x7f ? '?' : c;  // what XML or an encoding of the file name could refuse
+      safe += byte < 0x20 || byte >= 0x7f ? '?' : c;  // XML or the encoding of the file name may refuse others
   }
   return safe;
 }

@@ -1,4 +1,4 @@
-// A report as JSON: schema ticktrue.verify/2.
+// Writes a report as JSON: schema ticktrue.verify/2.
 // SPDX-License-Identifier: MIT
 #include <charconv>
 #include <cmath>
@@ -52,7 +52,7 @@ bool is_verify_schema(std::string_view name) {
 }
 
 Json value_json(ScalarType type, std::uint64_t bits) {
-  constexpr std::int64_t exact_max = std::int64_t{1} << 53;  // of a double, which most readers of JSON use
+  constexpr std::int64_t exact_max = std::int64_t{1} << 53;  // of a double, which most JSON readers use
   const std::string text = lane_text(type, bits);
   if (scalar_info(type)->is_float) {
     const double value = std::strtod(text.c_str(), nullptr);
@@ -116,7 +116,7 @@ Json content_json(const ContentReport& content) {
 
 namespace {
 
-/// What cells say of the rows: the list of those that can have differed.
+/// The rows that can have differed, according to the cells.
 Json cells_json(const Divergence& divergence) {
   Json object = {{"candidate_count", divergence.candidate_count},
                  {"rows", divergence.owner_count},

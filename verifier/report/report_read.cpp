@@ -1,4 +1,4 @@
-// Values are taken with their type; what a report of another version lacks stays as it is.
+// Reads values with their types. A field that a report of another version lacks keeps its default.
 // SPDX-License-Identifier: MIT
 #include "verifier/report/report_read.h"
 
@@ -40,7 +40,7 @@ void take(const json& object, const char* key, double& value) {
   if (const json* found = member(object, key); found != nullptr && found->is_number()) value = found->get<double>();
 }
 
-/// Calls `use` with each element of the list, as far as there are not too many.
+/// Calls `use` with each element of the list, up to a limit.
 template <typename Use>
 void each(const json& object, const char* key, const Use& use) {
   const json* found = member(object, key);
@@ -233,7 +233,7 @@ void read_fields(const json& object, const StateSchema& schema, Report& report) 
 }  // namespace
 
 std::optional<ReadReport> read_report(const std::string& text, const StateSchema& schema) {
-  // Without exceptions; nesting is bounded by what a report has.
+  // Without exceptions. The limit of nesting follows from the schema of a report.
   constexpr int depth_max = 16;
   const json object = json::parse(
       text, [](int depth, json::parse_event_t, json&) { return depth <= depth_max; }, false);

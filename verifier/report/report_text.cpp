@@ -1,4 +1,4 @@
-// A report as text for people: one headline, then indented lines with a label each.
+// Writes a report as text for people: a headline, and indented lines with a label each.
 // SPDX-License-Identifier: MIT
 #include <algorithm>
 #include <cmath>
@@ -20,7 +20,7 @@ namespace {
 constexpr char hex_digits[] = "0123456789abcdef";
 constexpr std::size_t hex_bytes_max = 16;
 
-/// One side. `is_whole`: nothing of it is left out.
+/// The text of one side. `is_whole`: nothing is left out.
 std::string side_text(const ContentReport& content, const std::optional<std::string>& bytes, std::uint64_t size) {
   if (!bytes) return "no such row";
   if (size == 0) return content.is_text ? "\"\"" : "nothing";
@@ -31,7 +31,8 @@ std::string side_text(const ContentReport& content, const std::optional<std::str
     const std::string_view behind = std::string_view(*bytes).substr(skipped);
     return hex_bytes(behind) + (content.offset + std::min(behind.size(), hex_bytes_max) < size ? " ..." : "");
   }
-  return (content.first > 0 ? "..." : "") + quoted(*bytes) + (content.first + bytes->size() < size ? "..." : "");
+  return (content.first > 0 ? "..." : "") + verifier::quoted(*bytes) +
+         (content.first + bytes->size() < size ? "..." : "");
 }
 
 }  // namespace
@@ -48,7 +49,7 @@ std::size_t utf8_size(std::string_view text) {
   if (size == 0 || size > text.size()) return 0;
   for (std::size_t i = 1; i < size; ++i)
     if ((byte(i) & 0xc0) != 0x80) return 0;
-  // Encodings that are too long, surrogates, and what is beyond U+10FFFF.
+  // Overlong encodings, surrogates, and values above U+10FFFF.
   if ((lead == 0xe0 && byte(1) < 0xa0) || (lead == 0xed && byte(1) > 0x9f) || (lead == 0xf0 && byte(1) < 0x90) ||
       (lead == 0xf4 && byte(1) > 0x8f))
     return 0;
@@ -151,10 +152,10 @@ class Lines {
   void add(std::string label, const std::string& content) {
     if (label.size() < 7) label.resize(7, ' ');
     text_ += "  " + label + " ";
-    // Names and notes come from the file: nothing in them may steer a terminal.
+    // Names and notes come from the file: they must not control a terminal.
     text_ += plain_line(content) + "\n";
   }
-  /// At most `shown_max` of the lines, and how many more there are.
+  /// Adds at most `shown_max` lines, and the number of further lines.
   void add_inputs(const std::string& inputs, std::size_t shown_max) {
     const std::vector<std::string> lines = split_lines(inputs);
     for (std::size_t i = 0; i < std::min(lines.size(), shown_max); ++i) add("input", lines[i]);
@@ -183,7 +184,7 @@ std::string headline(const Report& report) {
 
 std::string lane_name(const LaneReport& row) {
   std::string text = row.place.empty() ? "row " + std::to_string(row.row) : row.place;
-  const bool has_id = row.id && row.place.empty();  // that of an element is its owner, which the place has
+  const bool has_id = row.id && row.place.empty();  // the place of a list element already names its owner
   if (has_id || !row.name.empty()) {
     text += " (";
     if (has_id) text += "id " + std::to_string(*row.id);
@@ -219,7 +220,7 @@ std::string candidate_name(const Candidate& candidate) {
   return text + ")";
 }
 
-/// What cells say of the rows.
+/// Adds the rows that can have differed, according to the cells.
 void add_candidates(const Divergence& divergence, const std::string& expected_name, const std::string& got_name,
                     Lines& lines) {
   for (const RowCountDifference& table : divergence.row_counts)
@@ -242,7 +243,7 @@ void add_candidates(const Divergence& divergence, const std::string& expected_na
   lines.add("", text);
 }
 
-/// At the ticks 1, 2, 4, 8, ... behind the divergence and the last one looked at.
+/// Adds the spread 1, 2, 4, 8, ... ticks after the divergence, and at the last examined tick.
 void add_spread(const Divergence& divergence, Lines& lines) {
   std::string text;
   for (const Spread& spread : divergence.spread) {
@@ -281,7 +282,7 @@ void add_divergence(const Divergence& divergence, const std::string& expected_na
     for (const std::string& column : table.columns)
       columns += (columns.empty() ? "" : ", ") + table.table + "." + column;
     if (table.is_content) columns = table.table;
-    // One column and one lane, or one text: the line below says all of it.
+    // With one column and one lane, or one text, the next line has all the information.
     if (divergence.lane_count + divergence.content_count != 1) lines.add("columns", columns);
   }
   for (std::size_t i = 0; i < divergence.rows.size() && i < rows_shown_max; ++i) {
@@ -310,7 +311,7 @@ void add_divergence(const Divergence& divergence, const std::string& expected_na
   add_spread(divergence, lines);
 }
 
-/// Where the marks of the program first differ from the recorded ones, in the tick that diverged or before it.
+/// Adds the first difference of marks, in the diverged tick or an earlier one.
 void add_marks(const Report& report, Lines& lines) {
   if (!report.marks) {
     if (report.compared.marks > 0)
@@ -357,7 +358,7 @@ void add_end(const Report& report, Lines& lines) {
   }
 }
 
-/// The builds of the two programs, where one of them tells of its own.
+/// Adds the builds of the two programs, if one of them states its build.
 void add_programs(const Report& report, Lines& lines) {
   const std::string recorded = program_line(report.recorded_build);
   const std::string here = program_line(report.here_build);

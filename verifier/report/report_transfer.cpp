@@ -133,7 +133,7 @@ constexpr bool is_list<std::vector<T>> = true;
 template <typename T>
 concept Number = std::integral<T> || std::is_enum_v<T>;
 
-// The values of the enumerations that a report holds.
+// The known values of the enumerations in a report.
 constexpr bool is_known(Verdict value) {
   return value <= Verdict::error;
 }

@@ -1,4 +1,4 @@
-// A report as bytes, from a child process to the one that waits for it.
+// A report as bytes, from a child process to its parent.
 // SPDX-License-Identifier: MIT
 #pragma once
 
@@ -8,10 +8,10 @@
 
 namespace ticktrue::verifier {
 
-/// The fields in the order of their structs. The encoding is only for processes of the same build, or of builds with
-/// one digest (verifier/store).
+/// Encodes the fields in the order of their structs. Only for processes of the same build, or of builds with the same
+/// digest (verifier/store).
 Bytes encode_report(Report report);
-/// Any bytes are read or refused. Errors: corrupt.
+/// Accepts or refuses any bytes. Errors: corrupt.
 Result<Report> decode_report(ByteView bytes);
 
 }  // namespace ticktrue::verifier

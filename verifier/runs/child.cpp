@@ -1,4 +1,4 @@
-// A program as a child process: arguments, environment and folder made ready before the fork.
+// Starts a program as a child process. Arguments, environment and folder are prepared before the fork.
 // SPDX-License-Identifier: MIT
 #include "verifier/runs/child.h"
 
@@ -25,11 +25,11 @@ namespace ticktrue::verifier {
 #ifdef TICKTRUE_HAS_FORK
 namespace {
 
-/// Strings as exec wants them.
+/// Strings in the form that exec needs.
 class CStrings {
  public:
   void add(std::string text) { texts_.push_back(std::move(text)); }
-  /// Of an environment. A variable that is there keeps its place; without a value it is removed.
+  /// For an environment: sets a variable. An existing variable keeps its index; without a value it is removed.
   void set_variable(const std::string& name, const std::optional<std::string>& value) {
     const std::string start = name + "=";
     const auto is_it = [&](const std::string& text) { return text.compare(0, start.size(), start) == 0; };
@@ -61,7 +61,7 @@ CStrings environment_of(const ChildCommand& command, int completion_descriptor) 
   return strings;
 }
 
-/// The pipes of one program.
+/// The output pipes of one program.
 struct ProgramStreams {
   ChildStream& output;
   ChildStream& message;
@@ -69,7 +69,7 @@ struct ProgramStreams {
   ChildStream& failure;
 };
 
-/// In the child, between fork and exec: only calls that are safe there.
+/// In the child between fork and exec: calls only functions that are safe there.
 [[noreturn]] void become_program(char** argv, char** environment, const ChildCommand& command,
                                  const ProgramStreams& streams) {
   const int nothing = ::open("/dev/null", O_RDONLY);

@@ -1,4 +1,4 @@
-// fork, poll, waitid: and nothing of that where the system has no processes to start.
+// Child processes by fork, poll and waitid. On a system without child processes, nothing is compiled.
 // SPDX-License-Identifier: MIT
 #include "verifier/runs/child_process.h"
 
@@ -26,7 +26,7 @@ namespace {
 
 constexpr std::size_t stream_read_size = 64u << 10;
 constexpr int pause_max_ms = 10;
-// Killed processes of the group are gone within milliseconds, unless the disk holds them.
+// The killed processes of a group end within milliseconds, unless the disk blocks them.
 constexpr double group_end_max_s = 2;
 
 void close_descriptor(int& descriptor) {
@@ -63,7 +63,7 @@ void ChildStream::retain(std::string_view bytes) {
     return;
   }
   retained_ += bytes;
-  if (retained_.size() <= 2 * size_max_ + stream_read_size) return;  // not at every read
+  if (retained_.size() <= 2 * size_max_ + stream_read_size) return;  // not after each read
   dropped_size_ += retained_.size() - size_max_;
   retained_.erase(0, retained_.size() - size_max_);
 }
@@ -92,12 +92,12 @@ ChildProcess::Side ChildProcess::fork() {
     failure_ = system_message(errno);
     return Side::failed;
   }
-  const BlockedSignals held;  // none arrives between the fork and the time at which it would be passed on
+  const BlockedSignals held;  // no signal arrives between the fork and the forwarding of signals
   if (stop_signal_pending()) {
     failure_ = "stopped";
     return Side::failed;
   }
-  std::signal(SIGCHLD, SIG_DFL);  // ignored, it would leave nothing to wait for
+  std::signal(SIGCHLD, SIG_DFL);  // if SIGCHLD were ignored, there would be nothing to wait for
   start_ = std::chrono::steady_clock::now();
   id_ = fork_own_child();
   if (id_ < 0) {
@@ -112,7 +112,7 @@ ChildProcess::Side ChildProcess::fork() {
     reset_stop_signals();
     return Side::child;
   }
-  ::setpgid(id_, id_);  // in parent and child: either may run first
+  ::setpgid(id_, id_);  // in parent and child, because either may run first
   forward_stop_signals_to(id_);
   for (ChildStream& stream : streams_) stream.close_write_end();
   return Side::parent;
@@ -122,7 +122,7 @@ double ChildProcess::elapsed_s() const {
   return std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count();
 }
 
-/// Its id stays taken until end_group, and with it the id of its group.
+/// Whether the child has ended. Its id, and so the id of its group, stays in use until end_group.
 bool ChildProcess::has_ended() const {
   siginfo_t info{};
   return ::waitid(P_PID, static_cast<id_t>(id_), &info, WEXITED | WNOHANG | WNOWAIT) != 0 ? errno != EINTR
@@ -161,17 +161,17 @@ ChildEnd ChildProcess::wait(std::optional<double> time_s, const std::function<bo
 
 ChildEnd ChildProcess::end_group(ChildEnd end) {
   ::kill(-id_, SIGKILL);
-  ::kill(id_, SIGKILL);  // it may not have made its group yet
+  ::kill(id_, SIGKILL);  // the child may not have made its group yet
   int status = 0;
   pid_t found = 0;
   while ((found = ::waitpid(id_, &status, 0)) < 0 && errno == EINTR) {
   }
   end.wall_s = elapsed_s();
-  // Children of the child that were adopted. Afterwards no process of the group holds a write end.
+  // Reaps adopted children of the child. Afterwards no process of the group has a write end.
   const double last_s = end.wall_s + group_end_max_s;
   while (::waitpid(-id_, nullptr, WNOHANG) >= 0 && elapsed_s() < last_s) ::poll(nullptr, 0, 1);
   for (ChildStream& stream : streams_) {
-    // What is in the pipe; one that escaped may write on, and is not waited for.
+    // Reads the rest of the pipe. An escaped process may still write; it is not waited for.
     for (int reads = 0; stream.is_open() && reads < 64; ++reads) {
       pollfd watched{stream.read_end(), POLLIN, 0};
       if (::poll(&watched, 1, 0) <= 0) break;

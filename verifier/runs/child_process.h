@@ -1,4 +1,4 @@
-// One child process that leads its own process group: forked, read from, waited for, ended with all of its group.
+// One child process that leads its own process group: forked, read from, waited for, ended with its whole group.
 // SPDX-License-Identifier: MIT
 #pragma once
 
@@ -37,14 +37,14 @@ class ChildStream {
   int write_end() const { return write_end_; }
   void close_write_end();
 
-  /// Reads once. At the end of the stream it is closed.
+  /// Reads once. Closes the stream at its end.
   void read();
   std::string text() const;
   std::uint64_t dropped_size() const { return dropped_size_; }
-  /// Bytes that were read, retained or not.
+  /// Number of bytes read, including bytes that were not retained.
   std::uint64_t read_size() const { return dropped_size_ + retained_.size(); }
 
-  /// Called with bytes as they arrive, as far as they are retained (Retain::first).
+  /// Called with retained bytes as they arrive (Retain::first).
   std::function<void(std::string_view)> relay;
 
  private:
@@ -62,17 +62,18 @@ class ChildProcess {
  public:
   enum class Side { parent, child, failed };
 
-  /// Bytes of the stream: the first or the last `size_max`. Valid as long as this.
+  /// Adds a stream that retains its first or last `size_max` bytes. The reference is valid as long as this object.
   ChildStream& add_stream(std::size_t size_max, ChildStream::Retain retain);
 
-  /// In the child: leads its group, ends with this thread where the system can do that, and has the write ends open.
-  /// In the parent: stop signals go to the child's group until wait() has returned. `failed`: failure() says why.
+  /// Child: leads its group, ends with the calling thread if the system supports this, and has the write ends open.
+  /// Parent: stop signals are forwarded to the group of the child until wait() returns. `failed`: failure() has the
+  /// reason.
   Side fork();
   const std::string& failure() const { return failure_; }
   pid_t id() const { return id_; }
 
-  /// Reads the streams until the child has ended, `time_s` has passed or `goes_on` (asked every 10 ms or so; may be
-  /// empty) gives false. What is left of the process group is killed.
+  /// Reads the streams until the child ends, `time_s` has passed, or `goes_on` returns false (called about every 10 ms;
+  /// may be empty). Then kills the rest of the process group.
   ChildEnd wait(std::optional<double> time_s, const std::function<bool()>& goes_on);
 
  private:

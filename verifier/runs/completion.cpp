@@ -1,4 +1,4 @@
-// Completion is reported as one byte through a pipe.
+// Reports completion as one byte through a pipe.
 // SPDX-License-Identifier: MIT
 #include "verifier/runs/completion.h"
 
@@ -45,7 +45,7 @@ void close_completion_pipe() {
 void report_completion() {
   if (completion_descriptor < 0) return;
   const auto written = ::write(completion_descriptor, "!", 1);
-  static_cast<void>(written);  // the reader has closed the pipe
+  static_cast<void>(written);  // fails if the reader has closed the pipe
   close_completion_pipe();
 }
 

@@ -1,4 +1,5 @@
-// Output files: created exclusively, or next to the file they replace; every write, flush and close is checked.
+// Writes output files: new ones exclusively, or beside the file that they replace. Each write, flush and close is
+// checked.
 // SPDX-License-Identifier: MIT
 #include "verifier/runs/data_file.h"
 
@@ -66,7 +67,7 @@ Result<DataFile> DataFile::create(const std::string& path, bool overwrite) {
   file.path_ = path;
   std::error_code code;
   const fs::file_status status = fs::status(replay::system_path(path), code);
-  // What a link points at is replaced, not the link.
+  // A link stays; the file that it points to is replaced.
   if (fs::is_symlink(fs::symlink_status(replay::system_path(path), code)) && fs::is_regular_file(status))
     file.path_ = fs::canonical(replay::system_path(path), code).string();
   file.new_path_ = file.path_;

@@ -14,16 +14,16 @@ namespace ticktrue::verifier {
 
 class DataFile {
  public:
-  /// Creates the file. With `overwrite` an existing one stays as it is until close().
+  /// Creates the file. With `overwrite`, an existing file stays unchanged until close().
   /// Errors: io (exists, unwritable).
   static Result<DataFile> create(const std::string& path, bool overwrite);
   DataFile(DataFile&& other) noexcept;
   DataFile& operator=(DataFile&&) = delete;
-  ~DataFile();  // removes what was written unless close() succeeded
+  ~DataFile();  // removes the new file unless close() succeeded
 
   /// Errors: io (disk full).
   Status write(std::string_view text);
-  /// Hands everything to the operating system and puts the file in its place. Call once, last.
+  /// Passes all bytes to the operating system and moves the file to its path. To be called once, as the last call.
   Status close();
 
   std::uint64_t size() const { return size_; }  // bytes written so far
@@ -34,22 +34,22 @@ class DataFile {
   void remove_new() const;
 
   std::FILE* file_ = nullptr;
-  std::string path_;       // as asked for, for messages too
-  std::string new_path_;   // what is being written; renamed to path_ at the end where it differs
-  bool removable_ = true;  // false: a device or a pipe, not ours to remove
+  std::string path_;       // as requested; also in messages
+  std::string new_path_;   // the file being written; renamed to path_ at the end if it differs
+  bool removable_ = true;  // false: a device or a pipe, which is never removed
   std::uint64_t size_ = 0;
 };
 
-/// A whole file, over an older one. Errors: io.
+/// Writes a whole file and replaces an older one. Errors: io.
 Status write_data_file(const std::string& path, std::string_view text);
 
-/// What DataFile::create refuses, without creating anything: asked before long work begins.
+/// Refuses what DataFile::create refuses, without creating a file. To be called before long work.
 Status check_writable_target(const std::string& path, bool overwrite);
 
-/// Refuses an output that is one of the files the command reads, under whatever name.
+/// Refuses an output that is one of the input files of the command, under any name.
 Status check_not_read(const std::string& output, const std::vector<std::string>& inputs);
 
-/// "what the operating system says" for an errno value.
+/// The system's text for an errno value.
 std::string system_message(int error_number);
 
 }  // namespace ticktrue::verifier

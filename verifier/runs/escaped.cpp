@@ -1,7 +1,7 @@
-// /proc, where there is one.
+// Finds escaped processes in /proc, if the system has it.
 // SPDX-License-Identifier: MIT
 //
-// Verified: processes whose parent has ended, whatever session or group they made. Not verified: their own children,
+// Verified: processes whose parent has ended, in any session or group. Not verified: the children of these processes,
 // and processes on systems without PR_SET_CHILD_SUBREAPER.
 #include "verifier/runs/escaped.h"
 
@@ -37,7 +37,7 @@ void end_escaped(const std::vector<EscapedChild>& escaped) {
 #ifdef __linux__
   for (const EscapedChild& child : escaped) {
     const auto id = static_cast<pid_t>(child.id);
-    // 0: it is a child of this process, which adopted it, and it runs.
+    // 0: a running process that this process adopted.
     if (::waitpid(id, nullptr, WNOHANG) != 0) continue;
     ::kill(id, SIGKILL);
     ::waitpid(id, nullptr, 0);
@@ -57,7 +57,7 @@ std::set<pid_t> named_children;
 #ifdef __linux__
 
 constexpr std::size_t process_name_size_max = 64;
-// Stays true in a forked child, which adopts nothing itself: its orphans are those of the process that watches it.
+// Stays true in a forked child, which adopts nothing itself: its orphans go to the process that watches it.
 bool adopts_orphans = false;
 
 struct ProcessEntry {

@@ -1,4 +1,4 @@
-// The child process in which plug-ins run, and the watch over it.
+// Runs plug-ins in a child process and watches it.
 // SPDX-License-Identifier: MIT
 #include "verifier/runs/plugin_isolation.h"
 
@@ -51,7 +51,7 @@ namespace {
 constexpr std::size_t plugin_output_size_max = 64u << 10;
 constexpr std::size_t part_result_size_max = std::size_t{1} << 30;
 
-/// With the word before it: "in step of tick 7".
+/// The call with its preposition: "in step of tick 7".
 std::string call_text(std::uint32_t call, std::uint64_t tick) {
   switch (static_cast<PluginCall>(call)) {
     case PluginCall::none:
@@ -82,7 +82,7 @@ std::string call_text(std::uint32_t call, std::uint64_t tick) {
   return "";
 }
 
-/// Where the plug-in is, or was last.
+/// The present or last call of the plug-in.
 std::string place_text(const PluginWatch& page) {
   const std::uint32_t none = static_cast<std::uint32_t>(PluginCall::none);
   if (page.call.load() != none || page.last.load() == none) return call_text(page.call.load(), page.tick.load());
@@ -100,12 +100,12 @@ std::string signal_text(int signal) {
   return name != nullptr ? std::string(name) : "signal " + std::to_string(signal);
 }
 
-// Of run_isolated, for the parts of its child.
+// Set by run_isolated, for run_part in its child.
 std::string isolated_names;
 std::uint64_t isolated_timeout_s = 0;
 std::FILE* output_of_tool = nullptr;
 
-/// A page that this process and the child it is about to make both see; null where there is no memory.
+/// A page that this process shares with its next child; null: out of memory.
 PluginWatch* make_watch() {
   void* page = mmap(nullptr, sizeof(PluginWatch), PROT_READ | PROT_WRITE, MAP_SHARED | MAP_ANONYMOUS, -1, 0);
   if (page == MAP_FAILED) return nullptr;
@@ -113,12 +113,12 @@ PluginWatch* make_watch() {
   return static_cast<PluginWatch*>(page);
 }
 
-/// Measures how long the current call has been running.
+/// Measures the duration of the current call.
 class CallClock {
  public:
   CallClock(const PluginWatch& page, pid_t child) : page_(page), child_(child) {}
 
-  /// False once the child cannot be waited for any longer: text() says why.
+  /// False: the child is not waited for any longer, and text() has the reason.
   bool goes_on() {
     const std::uint64_t now = page_.sequence.load(std::memory_order_acquire);
     if (now != sequence_) {
@@ -133,7 +133,7 @@ class CallClock {
               ": found no end after " + std::to_string(isolated_timeout_s) + " s (--plugin-timeout)";
       return false;
     }
-    if (!main_thread_has_ended(child_)) return true;  // the tool's own work may take any time
+    if (!main_thread_has_ended(child_)) return true;  // the tool's own work has no time limit
     text_ = "ended the main thread " + place_text(page_);
     return false;
   }
@@ -148,7 +148,7 @@ class CallClock {
   std::string text_;
 };
 
-/// What the plug-in did to the process; empty where the tool ended it.
+/// What the plug-in did to the process; empty: the tool ended the process.
 std::string fault_text(const ChildEnd& end, const PluginWatch& page) {
   const bool is_over = page.finished.load() != 0;
   const std::string where = is_over ? "while it was unloaded" : place_text(page);
@@ -157,7 +157,7 @@ std::string fault_text(const ChildEnd& end, const PluginWatch& page) {
   return "ended the process with exit code " + std::to_string(end.exit_status) + " " + where;
 }
 
-/// Waits for the child; kills it when one call takes too long.
+/// Waits for the child, and kills it if one call takes too long.
 IsolatedEnd wait_for(ChildProcess& child, const PluginWatch& page, const std::function<void()>& meanwhile) {
   CallClock clock(page, child.id());
   const ChildEnd end = child.wait(std::nullopt, [&] {
@@ -178,13 +178,13 @@ IsolatedEnd wait_for(ChildProcess& child, const PluginWatch& page, const std::fu
   return result;
 }
 
-/// In the child: what prints to standard output is the plug-in.
+/// In the child: from now on, output on standard output counts as the plug-in's.
 void separate_output(const ChildStream& plugin_output) {
   const int descriptor = ::fcntl(1, F_DUPFD_CLOEXEC, 3);
   output_of_tool = descriptor < 0 ? nullptr : ::fdopen(descriptor, "w");
   ::dup2(plugin_output.write_end(), 1);
-  std::setvbuf(stdout, nullptr, _IOLBF, BUFSIZ);  // so that the lines before a crash are seen
-  // In a group of its own it may write to the terminal, and finds nothing to read there.
+  std::setvbuf(stdout, nullptr, _IOLBF, BUFSIZ);  // so that the lines before a crash arrive
+  // A process in its own group may write to the terminal, and reads nothing from it.
   for (const int signal : {SIGTTIN, SIGTTOU}) std::signal(signal, SIG_IGN);
   close_completion_pipe();
 }

@@ -27,7 +27,7 @@ Result<RunFolder> RunFolder::make(const std::string& name, const std::string& as
   constexpr int try_count = 1000;
   for (int i = 0; !failed && i < try_count; ++i) {
     const fs::path path = temporary / (name + "-" + std::to_string(::getpid()) + "-" + std::to_string(i));
-    if (!fs::create_directory(path, failed) || failed) continue;  // there already, of another process
+    if (!fs::create_directory(path, failed) || failed) continue;  // another process has this folder
     fs::permissions(path, fs::perms::owner_all, failed);
     return RunFolder(path.string(), true);
   }

@@ -1,4 +1,4 @@
-// A folder for the files of runs: a temporary one that is removed at the end, or one that was named.
+// A folder for the files of runs: a temporary folder that is removed at the end, or a named folder.
 // SPDX-License-Identifier: MIT
 #pragma once
 
@@ -10,7 +10,7 @@ namespace ticktrue::verifier {
 
 class RunFolder {
  public:
-  /// `asked` empty: a new folder NAME-PROCESS-NUMBER among the temporary files, for this user alone. Errors: io.
+  /// `asked` empty: makes NAME-PROCESS-NUMBER among the temporary files, for this user alone. Errors: io.
   static Result<RunFolder> make(const std::string& name, const std::string& asked);
   RunFolder(RunFolder&& other) noexcept;
   RunFolder& operator=(RunFolder&&) = delete;

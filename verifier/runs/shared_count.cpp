@@ -1,4 +1,4 @@
-// A page of memory that outlives the child process which writes it.
+// A page of memory that outlives the child process that writes to it.
 // SPDX-License-Identifier: MIT
 #include "verifier/runs/shared_count.h"
 

@@ -7,8 +7,8 @@
 
 namespace ticktrue::verifier {
 
-/// A count in memory that this process shares with the children it makes later. Where a system has no child processes,
-/// or no memory for the page, the count is this process' own.
+/// A count in memory that this process shares with its later children. If the system has no child processes, or no
+/// memory for the page, this process has the count alone.
 class SharedCount {
  public:
   SharedCount();
@@ -18,7 +18,7 @@ class SharedCount {
 
   void add_tick(double time_s);
   std::uint64_t ticks() const;
-  /// Simulated time at the end of the last tick that was added, s.
+  /// Simulated time at the end of the last added tick, s.
   double time_s() const;
 
  private:

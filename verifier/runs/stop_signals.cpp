@@ -13,11 +13,11 @@ namespace ticktrue::verifier {
 namespace {
 
 constexpr std::array stop_signals{SIGINT, SIGTERM, SIGHUP};
-constexpr std::size_t group_count_max = 256;  // children at once; more are waited for without passing signals on
+constexpr std::size_t group_count_max = 256;  // parallel children; signals are not forwarded to more
 
 std::array<std::atomic<pid_t>, group_count_max> signal_groups{};
 static_assert(std::atomic<pid_t>::is_always_lock_free);
-std::atomic<int> stop_signal_seen{0};  // a handler writes it, and threads read it
+std::atomic<int> stop_signal_seen{0};  // written by a handler, read by threads
 static_assert(std::atomic<int>::is_always_lock_free);
 std::array<struct sigaction, stop_signals.size()> handlers_before{};
 std::mutex groups_lock;
@@ -34,7 +34,7 @@ void pass_on(int signal) {
 void install_handlers() {
   for (std::size_t i = 0; i < stop_signals.size(); ++i) {
     ::sigaction(stop_signals[i], nullptr, &handlers_before[i]);
-    if (handlers_before[i].sa_handler == SIG_IGN) continue;  // nohup, or a job in the background
+    if (handlers_before[i].sa_handler == SIG_IGN) continue;  // nohup, or a background job
     struct sigaction action {};
     action.sa_handler = pass_on;
     ::sigaction(stop_signals[i], &action, nullptr);

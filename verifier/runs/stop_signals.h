@@ -10,7 +10,7 @@
 
 namespace ticktrue::verifier {
 
-/// Blocks SIGINT, SIGTERM and SIGHUP for its lifetime.
+/// Blocks SIGINT, SIGTERM and SIGHUP during its lifetime.
 class BlockedSignals {
  public:
   BlockedSignals();
@@ -22,11 +22,11 @@ class BlockedSignals {
   sigset_t before_;
 };
 
-/// Forwards stop signals that this process does not ignore to the process group instead. From any thread.
+/// Forwards stop signals that this process does not ignore to the process group. Thread-safe.
 void forward_stop_signals_to(pid_t group);
 
-/// Ends the forwarding; after the last group the previous handlers are restored. Returns the signal that arrived
-/// meanwhile, or 0: the caller raises it again.
+/// Ends the forwarding. After the last group, restores the earlier handlers. Returns the signal that arrived meanwhile,
+/// which the caller must raise again; 0: none.
 int end_forwarding_to(pid_t group);
 
 /// Whether a signal was forwarded to a group that still runs.

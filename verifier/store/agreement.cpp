@@ -1,4 +1,4 @@
-// Publishing and reading decisions.
+// Publishes and reads decisions.
 // SPDX-License-Identifier: MIT
 #include "verifier/store/agreement.h"
 
@@ -9,8 +9,8 @@
 namespace ticktrue::verifier {
 namespace {
 
-constexpr std::size_t agreement_size_max = 64u << 20;  // a plan has some bytes for each trace of a corpus
-constexpr int agree_attempts_max = 8;                  // between them others may move a damaged file
+constexpr std::size_t agreement_size_max = 64u << 20;  // the plan of a corpus has a few bytes for each trace
+constexpr int agree_attempts_max = 8;                  // between attempts, another process can move a damaged file
 
 std::string name_of(const std::string& key) {
   return "agreed/" + spread_name(key);

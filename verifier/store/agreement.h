@@ -1,8 +1,8 @@
-// What workers agree on before they share work: the first of them decides, all others follow.
+// Decisions that workers need before they share work: the first worker decides, and all others follow.
 // SPDX-License-Identifier: MIT
 //
-// A file STORE/agreed/ab/cdef... is published once. A damaged one is set aside, and the next worker decides again:
-// then two workers can follow different decisions. That costs time: what is missing is found by the report.
+// A file STORE/agreed/ab/cdef... is published once. A damaged file is set aside, and the next worker decides again. Two
+// workers can then follow different decisions. This costs only time: the report finds missing work.
 #pragma once
 
 #include <optional>
@@ -14,10 +14,10 @@
 
 namespace ticktrue::verifier {
 
-/// What was decided under this key; nothing: no decision yet. Errors: io.
+/// The decision under this key; nothing: no decision yet. Errors: io.
 Result<std::optional<Bytes>> find_agreement(const StoreFolder& folder, const std::string& key);
 
-/// Decides, unless another worker did; gives what holds. Errors: io.
+/// Publishes `wanted` unless another worker has decided; returns the valid decision. Errors: io.
 Result<Bytes> agree_on(const StoreFolder& folder, const std::string& key, ByteView wanted);
 
 }  // namespace ticktrue::verifier

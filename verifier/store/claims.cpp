@@ -1,8 +1,8 @@
-// Claims as numbered files, and the thread that keeps them alive.
+// Claims as numbered files, and the thread that renews them.
 // SPDX-License-Identifier: MIT
 //
-// Verified: races of threads and of processes for a free unit and for an expired one, clocks that differ, a worker that
-// is stopped past its lease and goes on. Not verified: two machines on a real NFS server.
+// Verified: races of threads and of processes for a free unit and for an expired unit, clocks that differ, a worker
+// that stops for longer than its lease and continues. Not verified: two machines on a real NFS server.
 #include "verifier/store/claims.h"
 
 #include <algorithm>
@@ -28,13 +28,13 @@ namespace ticktrue::verifier {
 
 namespace {
 
-constexpr std::uint64_t generation_max = 1'000;  // workers that died with one and the same unit
+constexpr std::uint64_t generation_max = 1'000;  // number of workers that died with the same unit
 constexpr std::size_t claim_size_max = 4096;
 constexpr double beats_in_lease = 6;
 constexpr std::string_view free_state = "state free\n";
 constexpr std::string_view held_state = "state held\n";
 
-/// All texts of one owner have the same length: they are written over each other.
+/// All texts of one owner have the same length, because each overwrites the last.
 Bytes claim_text(const std::string& owner, std::uint64_t beat, std::string_view state) {
   std::string count = std::to_string(beat);
   constexpr std::size_t width = 20;
@@ -57,7 +57,7 @@ struct Claims::Held {
   std::uint64_t generation = 0;
   std::string owner;
   std::uint64_t beat_count = 0;
-  int descriptor = -1;  // stays open: what is written goes to this claim, whatever its name is by then
+  int descriptor = -1;  // stays open: writes go to this claim, even after it was renamed
 
   Held() = default;
   Held(const Held&) = delete;
@@ -98,7 +98,7 @@ class Claims::Heartbeat {
   std::mutex lock_;
   std::condition_variable wake_;
   bool ends_ = false;
-  std::thread thread_;  // last: it uses the others
+  std::thread thread_;  // last member: it uses the others
 };
 
 bool can_claim() {
@@ -141,7 +141,7 @@ Result<Claims::Answer> Claims::try_claim(const std::string& unit) {
   return take(unit, generation + 1);
 }
 
-/// Whether the claim, the last of its unit, was given up or has not changed for the length of a lease.
+/// Whether the unit's last claim was given up, or was unchanged for the length of a lease.
 bool Claims::may_follow(const std::string& unit, std::uint64_t generation, const Bytes& bytes) {
   if (says_free(bytes)) return true;
   const double now_s = now_s_();
@@ -155,7 +155,7 @@ Result<Claims::Answer> Claims::take(const std::string& unit, std::uint64_t gener
   auto held = std::make_unique<Held>();
   held->generation = generation;
   {
-    // A number for each claim of this process: two of its threads are two workers.
+    // Each claim of this process has its own number, because two threads are two workers.
     const std::lock_guard<std::mutex> guard(lock_);
     held->owner = folder_.owner() + "-" + std::to_string(++claim_count_);
   }
@@ -167,7 +167,7 @@ Result<Claims::Answer> Claims::take(const std::string& unit, std::uint64_t gener
   held->descriptor = replay::open_file(folder_.path_of(name), O_RDWR);
   if (held->descriptor < 0 && errno != ENOENT)
     return replay::io_error(folder_.path_of(name), "cannot open what was just made", errno);
-  // Between the two calls nobody may write to the file, but the verdict may be stored and the file removed.
+  // No other process may write to the file between the two calls. But the verdict may be stored, and the file removed.
   Bytes found(text.size());
   const bool is_mine = held->descriptor >= 0 &&
                        ::pread(held->descriptor, found.data(), found.size(), 0) == static_cast<ssize_t>(found.size()) &&
@@ -189,7 +189,7 @@ void Claims::finish(const std::string& unit) {
     held_.erase(found);
   }
   if (folder_.exists(name_of(unit, held->generation + 1))) {
-    held->write(free_state);  // should the next claim be removed before this one
+    held->write(free_state);  // for the case that the next claim is removed before this one
     return;
   }
   for (std::uint64_t generation = 1; generation <= held->generation; ++generation)
@@ -225,7 +225,7 @@ void Claims::start_heartbeat() {
 
 void Claims::beat() {
   const std::lock_guard<std::mutex> guard(lock_);
-  // A claim that cannot be written expires, and the unit is done by another worker.
+  // If a claim cannot be written, it expires, and another worker does the unit.
   for (const auto& [unit, held] : held_) held->write(held_state);
 }
 

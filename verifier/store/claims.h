@@ -1,14 +1,15 @@
-// Who works on what: any number of processes share units without a server, a lock or a clock.
+// Claims: any number of processes divide units of work without a server, a lock or a common clock.
 // SPDX-License-Identifier: MIT
 //
-// A claim of a unit is a file STORE/claims/ab/cdef....1 that a worker links to the name; link(2) has one winner. The
-// owner writes a counter into it, the heartbeat. A worker that sees the same bytes for the length of a lease, by its
-// own monotonic clock, may link the next one: cdef....2. The claim with the highest number counts. Each number has one
-// winner, no claim is renamed, and an owner never writes to the file of another. Clocks of machines are not compared.
+// A claim of a unit is a file STORE/claims/ab/cdef....1. A worker creates it by link(2), which succeeds for only one
+// process. The owner writes a counter into the file, the heartbeat. If another worker sees the same bytes for the
+// length of a lease, by its own monotonic clock, it may create the next claim: cdef....2. The claim with the highest
+// number counts. Each number has one owner, no claim is renamed, and an owner never writes to another owner's file.
+// Clocks of different machines are never compared.
 //
-// After the verdict is stored, the owner removes the claims of the unit. A winner therefore asks the store once more
-// before it works. An owner that comes back after its lease works on what another worker has, too: both store the same
-// verdict, once.
+// After the verdict is stored, the owner removes the claims of the unit. A new owner therefore looks into the store
+// again before it works. An owner that continues after its lease has ended does the same work as the new owner. Both
+// store the same verdict, and the store has it once.
 #pragma once
 
 #include <cstdint>
@@ -23,32 +24,32 @@
 
 namespace ticktrue::verifier {
 
-/// Whether this system has what claims need (POSIX, and threads for the heartbeat).
+/// Whether this system supports claims (POSIX, and threads for the heartbeat).
 bool can_claim();
 
 class Claims {
  public:
-  /// `now_s`: a monotonic clock, for tests; empty: that of the system.
+  /// `now_s`: a monotonic clock, for tests; empty: the system's clock.
   Claims(const StoreFolder& folder, double lease_s, std::function<double()> now_s = {});
   Claims(const Claims&) = delete;
   Claims& operator=(const Claims&) = delete;
-  ~Claims();  // gives up what is held
+  ~Claims();  // gives up all held units
 
   enum class Answer { won, busy };
-  /// Any thread. Errors: io, limit.
+  /// Thread-safe. Errors: io, limit.
   Result<Answer> try_claim(const std::string& unit);
-  /// The verdict is stored: removes the claims of the unit, unless another worker has taken it over.
+  /// To be called after the verdict is stored. Removes the claims of the unit, unless another worker has taken it over.
   void finish(const std::string& unit);
-  /// There is no verdict: the next worker may claim the unit at once.
+  /// Gives up a unit without a verdict: the next worker may claim it at once.
   void give_up(const std::string& unit);
-  /// Whether no other worker has taken the unit over.
+  /// Whether this object holds the unit, and no other worker has taken it over.
   bool is_held(const std::string& unit) const;
 
-  /// From here on a thread of this object beats, several times in a lease.
+  /// Starts a thread that renews the claims several times per lease.
   void start_heartbeat();
-  /// Writes the counters of all that is held.
+  /// Writes the counters of all held units.
   void beat();
-  /// The same several times in a lease, for a process without threads: called far more often.
+  /// Renews the claims several times per lease, for a process without threads. To be called far more often.
   void beat_when_due();
 
  private:
@@ -64,13 +65,13 @@ class Claims {
   bool may_follow(const std::string& unit, std::uint64_t generation, const Bytes& bytes);
   Result<Answer> take(const std::string& unit, std::uint64_t generation);
 
-  StoreFolder folder_;  // a claim need not outlive a loss of power
+  StoreFolder folder_;  // a claim need not survive a power failure
   double lease_s_;
   std::function<double()> now_s_;
   mutable std::mutex lock_;
   std::uint64_t claim_count_ = 0;
   std::map<std::string, std::unique_ptr<Held>> held_;
-  std::map<std::string, Seen> seen_;  // claims of others, and since when they are as they are
+  std::map<std::string, Seen> seen_;  // the claims of others, and the time since they are unchanged
   std::unique_ptr<Heartbeat> heartbeat_;
   double last_beat_s_ = 0;
 };

@@ -1,4 +1,4 @@
-// Rows of the history as files.
+// Reads and writes rows of the history as files.
 // SPDX-License-Identifier: MIT
 #include "verifier/store/history.h"
 

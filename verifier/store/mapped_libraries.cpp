@@ -1,8 +1,8 @@
-// The list of the dynamic linker, and the files behind it.
+// Reads the list of the dynamic linker, and the files in it.
 // SPDX-License-Identifier: MIT
 //
-// Verified: a library replaced on the disk while its old file is mapped. Not verified: code that a plug-in maps by
-// other ways than the dynamic linker.
+// Verified: a library that is replaced on the disk while its old file is mapped. Not verified: code that a plug-in maps
+// without the dynamic linker.
 #include "verifier/store/mapped_libraries.h"
 
 #include <algorithm>
@@ -36,7 +36,7 @@ std::vector<std::string> linked_paths() {
   ::dl_iterate_phdr(
       [](dl_phdr_info* info, std::size_t, void* list) {
         const std::string name = info->dlpi_name == nullptr ? "" : info->dlpi_name;
-        // The program itself has no name, and what the kernel maps has no file.
+        // The program itself has no name. Mappings of the kernel have no file.
         if (name.find('/') != std::string::npos) static_cast<std::vector<std::string>*>(list)->push_back(name);
         return 0;
       },
@@ -44,8 +44,8 @@ std::vector<std::string> linked_paths() {
   return paths;
 }
 
-/// Lines of /proc/self/maps: "START-END MODE OFFSET DEVICE INODE PATH", with " (deleted)" behind the path of a file
-/// that has lost its name. (Inodes tell nothing: on overlayfs they are those of another file system.)
+/// Checks the lines of /proc/self/maps: "START-END MODE OFFSET DEVICE INODE PATH", with " (deleted)" after the path of
+/// a file that has lost its name. (Inodes are useless here: on overlayfs they belong to another file system.)
 Status check_mapped() {
   constexpr std::string_view deleted = " (deleted)";
   std::ifstream maps("/proc/self/maps");

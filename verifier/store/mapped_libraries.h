@@ -1,4 +1,4 @@
-// The shared libraries that this process runs: a verdict holds for these alone.
+// The shared libraries of this process. A verdict is valid only for these libraries.
 // SPDX-License-Identifier: MIT
 #pragma once
 
@@ -15,14 +15,14 @@ struct MappedLibrary {
   Hash128 content;
 };
 
-/// Every shared library that is mapped, plug-ins and what they need with them; not the program itself.
+/// Each mapped shared library, including plug-ins and their dependencies, without the program itself.
 /// Errors: io (a library that cannot be read, or whose file was replaced since it was mapped); unsupported.
 Result<std::vector<MappedLibrary>> mapped_libraries();
 
-/// Of names without folders, and contents: a library that was moved is the same.
+/// A hash of names without folders, and of contents: moving a library changes nothing.
 Hash128 libraries_digest(const std::vector<MappedLibrary>& libraries);
 
-/// XXH3-128 of a file of any size. Errors: io (also a file that changes meanwhile).
+/// XXH3-128 of a file of any size. Errors: io (also if the file changes meanwhile).
 Result<Hash128> file_hash(const std::string& path);
 
 }  // namespace ticktrue::verifier

@@ -1,4 +1,4 @@
-// The name of a file in texts and in commands.
+// Replaces the name of a file in texts and in commands.
 // SPDX-License-Identifier: MIT
 #include "verifier/store/renamed_report.h"
 
@@ -13,7 +13,7 @@ bool is_in_path(char c) {
   return std::isalnum(static_cast<unsigned char>(c)) != 0 || c == '/' || c == '_' || c == '-' || c == '.';
 }
 
-/// Replaces `from` wherever it is a whole path: not as a part of a longer one.
+/// Replaces `from` where it is a whole path, and not where it is a part of a longer path.
 void replace_path(std::string& text, const std::string& from, const std::string& to) {
   for (std::size_t at = text.find(from); at != std::string::npos; at = text.find(from, at)) {
     const std::size_t end = at + from.size();

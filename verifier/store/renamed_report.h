@@ -1,4 +1,4 @@
-// A report under another name of its file.
+// Changes the file name in a report.
 // SPDX-License-Identifier: MIT
 #pragma once
 
@@ -8,8 +8,8 @@
 
 namespace ticktrue::verifier {
 
-/// Makes a report about another file with the same bytes: the name changes in the report, its texts and its commands.
-/// A report that is no match gets a note with the former name.
+/// Makes the report one about another file with the same bytes: replaces the name in the report, its texts and its
+/// commands. A report that is not a match gets a note with the former name.
 void rename_file(Report& report, const std::string& file);
 
 }  // namespace ticktrue::verifier

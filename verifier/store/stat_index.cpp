@@ -1,4 +1,4 @@
-// The file of a stat index: rows and a checksum.
+// Reads and writes the file of a stat index: rows and a checksum.
 // SPDX-License-Identifier: MIT
 #include "verifier/store/stat_index.h"
 
@@ -21,7 +21,7 @@ constexpr std::size_t file_name_size_max = 4096;
 constexpr std::size_t index_checksum_size = 8;
 constexpr auto settling_time = std::chrono::minutes(10);
 
-/// "HOST" of "HOST-PROCESS-NUMBER": inodes of another machine are other files.
+/// "HOST" of "HOST-PROCESS-NUMBER". The inodes of another machine identify other files.
 std::string host_of(const std::string& owner) {
   return owner.substr(0, owner.rfind('-', owner.rfind('-') - 1));
 }

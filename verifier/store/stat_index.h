@@ -1,10 +1,10 @@
-// Which bytes the files of a folder had when they were last read, so that an unchanged file need not be read again.
+// The hashes of files in a folder at their last reading, so that an unchanged file need not be read again.
 // SPDX-License-Identifier: MIT
 //
-// A row holds for a file of the same size, inode, device, time of modification and time of change (ctime), all to the
-// nanosecond; a program can set the time of modification, but not the time of change. A file that changed in the last
-// ten minutes by the clock of this machine, or in its future, gets no row: it could change once more within the same
-// step of the clock of its file system, which may be minutes apart.
+// A row is valid for a file with the same size, inode, device, time of modification and time of change (ctime). Both
+// times are compared to the nanosecond. A program can set the time of modification, but not the time of change.
+// A file gets no row if it changed in the last ten minutes, or in the future, by the clock of this machine. The clock
+// of its file system can differ by minutes and have coarse steps. So the file could change again within one step.
 #pragma once
 
 #include <cstdint>
@@ -19,18 +19,18 @@
 
 namespace ticktrue::verifier {
 
-/// Nothing of the file was written to or replaced between the two looks at it.
+/// Whether the file was neither written nor replaced between the two times.
 bool is_unchanged(const replay::FileFacts& before, const replay::FileFacts& after);
 
 class StatIndex {
  public:
-  /// The index of this machine for a folder of traces. A missing or damaged one is empty.
+  /// The index of this machine for a folder of traces. A missing or damaged index counts as empty.
   StatIndex(const StoreFolder& folder, const std::string& traces);
 
   std::optional<Hash128> find(const std::string& file, const replay::FileFacts& facts) const;
-  /// Any thread. `facts`: as they were before and after the bytes were read.
+  /// Thread-safe. `facts`: equal before and after the bytes were read.
   void note(const std::string& file, const replay::FileFacts& facts, const Hash128& hash);
-  /// Writes it, if anything was noted. Errors: io.
+  /// Writes the index if it has changed. Errors: io.
   Status save();
 
  private:

@@ -1,8 +1,8 @@
-// Temporary files that get their name by link or rename.
+// Makes temporary files that get their name by link or rename.
 // SPDX-License-Identifier: MIT
 //
-// Verified: two publishers of one name, a file system without hard links, a full disk. Not verified: servers that
-// break the rules of NFS, such as a rename that is not atomic.
+// Verified: two publishers of one name, a file system without hard links, a full disk. Not verified: servers that break
+// the rules of NFS, for example by a rename that is not atomic.
 #include "verifier/store/store_folder.h"
 
 #include <fcntl.h>
@@ -32,7 +32,7 @@ namespace fs = std::filesystem;
 
 constexpr const char* marker_name = "ticktrue-store";
 constexpr std::string_view marker_text = "ticktrue store 1\n";
-constexpr auto temporary_age_max = std::chrono::hours(48);  // of files whose process is gone
+constexpr auto temporary_age_max = std::chrono::hours(48);  // for files of ended processes
 
 ByteView view_of(std::string_view text) {
   return {reinterpret_cast<const std::uint8_t*>(text.data()), text.size()};
@@ -67,7 +67,7 @@ std::string new_owner() {
   return host_name() + "-" + std::to_string(id) + "-" + hex64(number);
 }
 
-/// A descriptor that is closed in any case.
+/// A descriptor that the destructor closes.
 class OpenFile {
  public:
   OpenFile(const std::string& path, int flags) : descriptor_(replay::open_file(path, flags)) {}
@@ -94,7 +94,7 @@ bool write_all(int descriptor, ByteView bytes) {
   return true;
 }
 
-/// A rename or a link to a name whose folder may not be there yet.
+/// Calls rename or link, and makes the folder of the new name if it is missing.
 template <typename Call>
 std::error_code with_folder(const fs::path& target, const Call& call) {
   std::error_code failure;
@@ -108,7 +108,7 @@ std::error_code with_folder(const fs::path& target, const Call& call) {
   return failure;
 }
 
-/// A store whose marker another process is about to write.
+/// Whether another process is about to write the marker of this store.
 bool is_being_made(const std::string& path) {
   std::error_code failure;
   for (fs::directory_iterator at(path, failure), end; !failure && at != end; at.increment(failure))
@@ -116,7 +116,7 @@ bool is_being_made(const std::string& path) {
   return !failure;
 }
 
-/// Whether the file has a second name. The link of a publisher is one, whatever its call reported.
+/// Whether the file has two names. Then the link of a publisher succeeded, whatever its call returned.
 bool has_two_names(const std::string& path) {
   std::error_code failure;
   return fs::hard_link_count(path, failure) == 2 && !failure;
@@ -149,7 +149,8 @@ Status StoreFolder::prepare(Use use) const {
   const std::string expected = ": not a store of verdicts: expected a folder with the file ";
   if (use == Use::reading || (is_folder && !fs::is_empty(path_, failure))) {
     if (!exists(marker_name)) {
-      // The marker comes first: whoever has made other files since the first look has made the marker before them.
+      // The marker is written first: a process that has made other files since the first look wrote the marker before
+      // them.
       if (use == Use::reading || (!is_being_made(path_) && !exists(marker_name)))
         return Error{use == Use::reading ? ErrorCode::io : ErrorCode::usage, path_ + expected + marker_name,
                      "the option --cache makes a store where there is no folder, or an empty one"};
@@ -166,14 +167,14 @@ Status StoreFolder::prepare(Use use) const {
   if (use == Use::reading) return {};
   fs::create_directories(path_of("tmp"), failure);
   if (failure) return failure_of(path_of("tmp"), "cannot be made", failure);
-  // A full disk does not keep a store from being read.
+  // A store on a full disk can still be read.
   if (!exists(marker_name))
     if (const Result<Publish> marker = publish(marker_name, view_of(marker_text)); !marker) return marker.error();
   remove_old_temporaries();
   return {};
 }
 
-/// Those of processes that ended in the middle. Their age is that of a new file of the same file system.
+/// Removes temporary files of processes that ended early. Their age is measured by a new file on the same file system.
 void StoreFolder::remove_old_temporaries() const {
   const std::string fresh = temporary_name();
   if (!write_temporary(fresh, {})) return;

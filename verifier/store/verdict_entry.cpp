@@ -1,4 +1,4 @@
-// Encoding and checks of a verdict's file.
+// Encodes and checks the file of a verdict.
 // SPDX-License-Identifier: MIT
 #include "verifier/store/verdict_entry.h"
 

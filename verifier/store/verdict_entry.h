@@ -15,12 +15,12 @@ struct VerdictEntry {
   Kind kind = Kind::verdict;
   std::string key;
   std::string by;  // build and process, for people
-  Bytes content;   // of verdict: encode_report; of conflict: text; else of who asks for it
+  Bytes content;   // for a verdict: encode_report; for a conflict: text; else defined by the caller
 };
 
 Bytes encode_entry(const VerdictEntry& entry);
 
-/// Nothing: the bytes are not what was written.
+/// Nothing: the bytes are damaged.
 std::optional<VerdictEntry> decode_entry(ByteView bytes);
 
 }  // namespace ticktrue::verifier

@@ -1,4 +1,4 @@
-// Looking up, adding, setting aside.
+// Finds, adds and sets aside verdicts.
 // SPDX-License-Identifier: MIT
 #include "verifier/store/verdict_store.h"
 
@@ -13,13 +13,13 @@
 namespace ticktrue::verifier {
 namespace {
 
-constexpr std::size_t entry_size_max = 4u << 20;  // a report lists 64 lanes and the inputs of a tick
-constexpr int add_attempts_max = 8;               // between them others may move a damaged file
+constexpr std::size_t entry_size_max = 4u << 20;  // a report lists at most 64 lanes and the inputs of one tick
+constexpr int add_attempts_max = 8;               // between attempts, another process can move a damaged file
 
-/// A report whose lists are too long for an entry keeps what is_same_verdict looks at.
+/// Encodes a report. If its lists are too long for an entry, only the fields for is_same_verdict are kept.
 Bytes encode_bounded(Report report) {
   Bytes bytes = encode_report(report);
-  constexpr std::size_t room = 64u << 10;  // of the rest of an entry
+  constexpr std::size_t room = 64u << 10;  // for the rest of an entry
   if (bytes.size() + room <= entry_size_max) return bytes;
   if (report.divergence) {
     report.divergence->inputs.clear();
@@ -115,7 +115,7 @@ Result<FoundVerdict> VerdictStore::set_aside(const std::string& key, const std::
   if (!aside) return aside.error();
   FoundVerdict found;
   if (aside->empty()) return found;
-  // Between the reading and the move another process may have put a whole file in its place.
+  // Between the reading and the move, another process may have replaced the file by an intact one.
   const Result<std::optional<Bytes>> moved = folder_.read(*aside, entry_size_max);
   if (moved && *moved) {
     const std::optional<VerdictEntry> entry = decode_entry(**moved);
@@ -142,12 +142,12 @@ Result<FoundVerdict> VerdictStore::add(const std::string& key, const Report& rep
     Result<FoundVerdict> found = read_entry(key, &there);
     if (!found) return published ? found.error() : published.error();
     if (found->kind == FoundVerdict::Kind::conflict) {
-      // Two sides are enough for people: a third one may be lost on a full disk.
+      // Two sides are enough for people: a third side may be lost on a full disk.
       static_cast<void>(folder_.publish(conflict_name(key, bytes), bytes));
       return found;
     }
     if (found->kind == FoundVerdict::Kind::verdict) {
-      // Also where this entry could not be written: the one that is there says the same, or is contradicted.
+      // Also if this entry could not be written: the existing entry is the same, or is contradicted.
       found->is_new = published && *published == StoreFolder::Publish::created;
       if (is_same_verdict(*found->report, report)) return found;
       return add_conflict(key, {*found->report, there}, {report, bytes});
@@ -173,7 +173,7 @@ Result<FoundVerdict> VerdictStore::add_conflict(const std::string& key, const Si
   const Bytes bytes = encode_entry(entry);
   Status written = folder_.replace(spread_name(key), bytes);
   if (!written) {
-    // A contradicted verdict must not stay. Its room may be enough for the conflict.
+    // A contradicted verdict must not stay. Its disk space may be enough for the conflict.
     folder_.remove(spread_name(key));
     written = folder_.replace(spread_name(key), bytes);
   }

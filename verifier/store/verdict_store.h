@@ -1,10 +1,10 @@
-// Verdicts by what they are about: the bytes of a trace, the engine that ran it, and how.
+// Verdicts by their subject: the bytes of a trace, the engine that ran it, and the options.
 // SPDX-License-Identifier: MIT
 //
 // A verdict is a file STORE/ab/cdef... that is written once and never changed. Readers check length, checksum and key
-// before they believe anything in it. A file that fails a check is moved to STORE/damaged/ and counts as absent.
-// Two verdicts of one key that differ are a conflict: both stay in STORE/conflicts/, and the key has no verdict until
-// people have removed the file that names them.
+// before they use anything else. A file that fails a check is moved to STORE/damaged/ and counts as absent.
+// Two different verdicts of one key are a conflict: both stay in STORE/conflicts/. The key has no verdict until a
+// person removes the file that names them.
 #pragma once
 
 #include <cstdint>
@@ -17,26 +17,26 @@
 
 namespace ticktrue::verifier {
 
-/// All that a verdict depends on.
+/// Everything on which a verdict depends.
 struct VerdictSubject {
   Hash128 trace;           // of the bytes of the file
   std::uint64_t size = 0;  // bytes of the file
   Hash128 engine;          // of the sources, flags and compiler of this build
-  Hash128 libraries;       // of the libraries that this process has mapped
-  std::string options;     // mode and all else that chooses what is compared
+  Hash128 libraries;       // of the mapped libraries of this process
+  std::string options;     // mode and all other options that choose what is compared
 };
 
 /// The name of a verdict: 32 hexadecimal digits.
 std::string verdict_key(const VerdictSubject& subject);
 
-/// What the store holds of a key.
+/// The entry of the store for a key.
 struct FoundVerdict {
   enum class Kind { none, verdict, damaged, conflict };
   Kind kind = Kind::none;
-  std::optional<Report> report;  // of verdict
-  std::string file;              // its file; of damaged: where it is now; of conflict: the one that says so
-  std::string what;              // of damaged and conflict: for people
-  bool is_new = false;           // of verdict, by add: the store did not have it
+  std::optional<Report> report;  // for a verdict
+  std::string file;              // file of the entry; damaged: its new place; conflict: the file that names both sides
+  std::string what;              // for damaged and conflict: text for people
+  bool is_new = false;           // for a verdict returned by add: the store did not have it
 };
 
 class VerdictStore {
@@ -46,15 +46,15 @@ class VerdictStore {
   /// Errors: io (a file that cannot be read or moved).
   Result<FoundVerdict> find(const std::string& key) const;
 
-  /// Of `kind` verdict: the report that the store has now, the same as this one. Conflict: it has another.
-  /// Requires: the report is of a trace that could be read. Errors: io. After an error the store has no verdict of the
-  /// key that differs from this one, as far as it can be removed.
+  /// `kind` verdict: the store now has this report. Conflict: the store has a different one. Requires: the report is
+  /// about a readable trace.
+  /// Errors: io. After an error the store has no different verdict for the key, as far as it can be removed.
   Result<FoundVerdict> add(const std::string& key, const Report& report) const;
 
   const StoreFolder& folder() const { return folder_; }
 
  private:
-  /// `bytes` (may be null): the entry as it is in the file.
+  /// `bytes` (may be null): set to the entry in the file.
   Result<FoundVerdict> read_entry(const std::string& key, Bytes* bytes) const;
   Result<FoundVerdict> set_aside(const std::string& key, const std::string& why) const;
   struct Side {
@@ -66,7 +66,7 @@ class VerdictStore {
   const StoreFolder& folder_;
 };
 
-/// Whether two reports of one key say the same: verdict, ticks compared, last state, first difference.
+/// Whether two reports for one key agree in verdict, ticks compared, last state and first difference.
 bool is_same_verdict(const Report& a, const Report& b);
 
 }  // namespace ticktrue::verifier

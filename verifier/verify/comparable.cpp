@@ -12,7 +12,7 @@
 namespace ticktrue::verifier {
 namespace {
 
-/// Why the two cannot be compared; empty if they can.
+/// Why the two schemas cannot be compared; empty: they can.
 std::string schema_difference(const StateSchema& recorded, const StateSchema& here) {
   const auto difference = first_schema_difference(recorded, here, Ranges::inside);
   if (!difference) return "";

@@ -6,8 +6,8 @@
 
 namespace ticktrue::verifier {
 
-/// Whether the trace can be compared with this build. If not, `findings` states why. Mode `twice` compares the build
-/// with itself: a difference from the recording build is then a warning.
+/// Whether the trace can be compared with this build. If not, `findings` has the reason. Mode `twice` compares the
+/// build with itself: there a difference from the recording build is a warning.
 bool check_comparable(const WalkContext& context, Findings& findings);
 
 }  // namespace ticktrue::verifier

@@ -1,4 +1,4 @@
-// Which segments a part has, and sums of the reports of parts.
+// The segments of a part, and sums of the reports of parts.
 // SPDX-License-Identifier: MIT
 #include "verifier/verify/parts.h"
 

@@ -1,4 +1,4 @@
-// The second run up to a mismatch, and what it says of the first.
+// The second run up to a mismatch, and its effect on the verdict.
 // SPDX-License-Identifier: MIT
 #include "verifier/verify/rerun.h"
 
@@ -50,7 +50,7 @@ class SecondRun {
     if (!steps(input, nullptr)) return;
     TickSide here{root_hash(simulation_->state())};
     if (here.root_hash != record.root_hash) {
-      // The first run agreed with the recorded hash here.
+      // At this tick, the first run agreed with the recorded hash.
       rerun_.differs_at = tick_;
       here.state = &simulation_->state();
       rerun_.divergence = describe_mismatch(context_, *simulation_, copy_of(record), time_s_, here, findings_);
@@ -61,7 +61,7 @@ class SecondRun {
     if (progress_) progress_(tick_);
   }
 
-  /// False: the tick cannot be done. The first run did it.
+  /// False: the tick fails. It succeeded in the first run.
   bool steps(const TickInput& input, StageObserver* observer) {
     const Status did = simulation_->step(input, observer);
     if (did) return true;

@@ -17,13 +17,13 @@ namespace {
 
 using replay::CheckpointRecord;
 
-/// The read position of one thread. Reads forward; rewinds only if the start lies behind the position.
+/// The read position of one thread. It reads forward, and rewinds only if the start is before the position.
 class SegmentReader {
  public:
   explicit SegmentReader(TraceSource& source) : source_(source) {}
   TraceSource& source() { return source_; }
 
-  /// Moves just behind the checkpoint of `start` and copies its image. False: the checkpoint is missing.
+  /// Moves directly after the checkpoint of `start` and copies its image. False: the checkpoint is missing.
   bool go_to(Start& start) {
     if (!start.loaded) {
       source_.rewind();
@@ -155,7 +155,7 @@ SegmentPlan plan_segments(const WalkContext& context, TraceSource& source, const
         plan.starts.push_back({checkpoint.tick, time_s, true, {}, {}, checkpoint.root_hash});
     }
   }
-  // A checkpoint after the last tick ends a segment and begins none.
+  // A checkpoint after the last tick ends a segment and begins no other.
   if (plan.starts.size() > 1 && plan.starts.back().tick >= ticks) plan.starts.pop_back();
   const std::size_t count = std::min(plan.starts.size(), std::max<std::size_t>(1, count_max));
   for (std::size_t i = 0; i < count; ++i) plan.segment_begins.push_back(i * plan.starts.size() / count);

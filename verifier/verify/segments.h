@@ -14,17 +14,17 @@
 
 namespace ticktrue::verifier {
 
-/// How a trace is split into segments. The plan needs one read of the trace and no simulation.
+/// The division of a trace into segments. A plan takes one read of the trace and no simulation.
 struct SegmentPlan {
-  std::vector<Start> starts;                // the first start, then every later checkpoint; without images
+  std::vector<Start> starts;                // the first start, and each later checkpoint; without images
   std::vector<std::size_t> segment_begins;  // indices into `starts`; ascending, the first is 0
-  std::optional<replay::TraceTail> tail;    // absent: not read to its end (options.to)
+  std::optional<replay::TraceTail> tail;    // absent: not read to the end (options.to)
   std::optional<std::uint64_t> stop;        // checkpoint at which the last segment ends; absent: the end of the trace
   bool is_continuation = false;             // another run compares the checkpoint at which the first segment begins
 };
 
-/// Enough that threads end together and a finding is met early; few enough that loading costs nothing beside walking.
-/// It does not depend on the number of threads, so that the same checkpoints are loaded whatever that is.
+/// Many segments let threads end together and find a mismatch early. Few segments keep the time for loading small. The
+/// number of threads has no influence, so that the same checkpoints are always loaded.
 inline constexpr std::size_t segment_count_max = 128;
 
 /// Reads `source` from its start. Makes at most `count_max` segments, with about the same number of checkpoints each.
@@ -38,7 +38,7 @@ struct SegmentOptions {
 };
 
 /// Walks the segments; result i belongs to segment i. After a finding in one segment, later segments are abandoned:
-/// their results have WalkEnd::abandoned. `source` is used by one thread; the others use context.options.reopen.
+/// their results have WalkEnd::abandoned. One thread uses `source`; the others use context.options.reopen.
 /// Errors: those of check_float_behaviour.
 Result<std::vector<WalkResult>> walk_segments(const WalkContext& context, TraceSource& source, const SegmentPlan& plan,
                                               const SegmentOptions& segment_options);

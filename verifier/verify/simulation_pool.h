@@ -9,15 +9,17 @@
 
 namespace ticktrue::verifier {
 
-/// For one thread. Making a simulation of a thousand bodies costs five ticks; loading a state costs one.
+/// For one thread. Making a simulation of a thousand bodies takes as long as five ticks; loading a state, as long as
+/// one.
 class SimulationPool {
  public:
   explicit SimulationPool(const SimulationInfo& real);
   SimulationPool(const SimulationPool&) = delete;
   SimulationPool& operator=(const SimulationPool&) = delete;
 
-  /// Makes simulations whose initial state is undefined until a state is loaded. The pool must outlive them.
-  /// Requires of the caller: always the same setup; load before step.
+  /// The simulation that lends from this pool. The pool must outlive the simulations that it makes. Their initial state
+  /// is undefined.
+  /// Requires: all calls of make have the same setup; a state is loaded before step.
   const SimulationInfo& info() const { return info_; }
 
  private:

@@ -14,7 +14,7 @@ namespace {
 
 constexpr std::size_t hash_block_size = 16 * 1024;  // bytes of rows; docs/trace_format.md, "Root hash"
 
-/// A block of the rows of one table, and where its hash stands in the digest from which the root hash is made.
+/// A block of rows in one table, and the place of its hash in the digest behind the root hash.
 struct Block {
   std::size_t offset = 0;  // in the image
   std::size_t size = 0;
@@ -45,7 +45,7 @@ HashTree make_tree(const StateSchema& schema, ByteView image, const std::vector<
   return tree;
 }
 
-/// Byte and bit of the block that give the whole the wanted hash.
+/// Byte and bit of the block whose flip gives the wanted root hash.
 struct FoundBit {
   std::size_t byte = 0;
   int bit = 0;

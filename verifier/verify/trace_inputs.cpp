@@ -1,4 +1,4 @@
-// Reading the inputs of a trace tick by tick.
+// Reads the inputs of a trace tick by tick.
 // SPDX-License-Identifier: MIT
 #include "verifier/verify/trace_inputs.h"
 

@@ -1,4 +1,4 @@
-// Inputs and dt of a trace, to run its session again.
+// The inputs and dt of a trace, to run its session again.
 // SPDX-License-Identifier: MIT
 #pragma once
 

@@ -1,4 +1,4 @@
-// TraceSource: the source of records for verify: a file, or an excerpt in memory.
+// TraceSource: a source of records for verify: a file, or an excerpt in memory.
 // SPDX-License-Identifier: MIT
 #pragma once
 
@@ -25,7 +25,7 @@ class TraceSource {
 
 class ReaderSource : public TraceSource {
  public:
-  /// The reader must outlive this.
+  /// The reader must outlive this object.
   explicit ReaderSource(replay::TraceReader& reader) : reader_(reader) {}
   const replay::TraceSetup& setup() const override { return reader_.setup(); }
   const replay::TraceReader::Item& next() override { return reader_.next(); }
@@ -39,7 +39,7 @@ class ReaderSource : public TraceSource {
   replay::TraceReader& reader_;
 };
 
-/// With a reader of its own.
+/// A source that owns its reader.
 class OwnedReaderSource : public TraceSource {
  public:
   explicit OwnedReaderSource(replay::TraceReader reader) : reader_(std::move(reader)), source_(reader_) {}

@@ -73,7 +73,7 @@ class TwiceWalk {
     return true;
   }
 
-  /// False: one run or both could not do the tick.
+  /// False: the tick failed in one run or in both.
   bool steps(const TickInput& input, const std::string& tick) {
     const Status first = first_->step(input, nullptr);
     const Status second = second_->step(input, nullptr);

@@ -6,7 +6,7 @@
 
 namespace ticktrue::verifier {
 
-/// Walks `source` from its start. Of its records only dt and inputs are used.
+/// Walks `source` from its start. Uses only dt and inputs of its records.
 WalkResult walk_twice(const WalkContext& context, TraceSource& source, const Start& start);
 
 }  // namespace ticktrue::verifier

@@ -1,4 +1,4 @@
-// The verify run: what can be compared at all, which way to walk the trace, and the verdict.
+// The verify run: what can be compared, how to walk the trace, and the verdict.
 // SPDX-License-Identifier: MIT
 #include "verifier/verify/verify.h"
 
@@ -24,16 +24,16 @@ namespace {
 using replay::CheckpointRecord;
 using replay::TraceCondition;
 
-// For mode `threads`, beside one. More than there are cores, too: then they are in each other's way.
+// For mode `threads`, besides 1. It includes more threads than cores: those disturb each other.
 constexpr unsigned compared_thread_counts[] = {2, 4, 8};
 
-/// What a run that began with a checkpoint found. A divergence only if a run from the setup has a finding as well.
+/// The finding of a run that began at a checkpoint. It is a divergence only if a run from the setup also has a finding.
 struct UnconfirmedFinding {
   Start start;
   WalkResult found;
 };
 
-/// Of what the walk found: the tick whose end differs, or the ticks done.
+/// The tick of a finding: the tick that ended differently, or the number of ticks before the finding.
 std::uint64_t tick_of(const WalkResult& result) {
   return result.mismatch ? result.mismatch->expected.tick : result.tick;
 }
@@ -80,7 +80,7 @@ class Verifier {
     findings_.decide(Verdict::not_comparable, reason, hint);
   }
 
-  /// Sets begin_. False: the trace begins late, and nothing can be run from there.
+  /// Sets begin_. False: the trace begins late, and a run can begin at none of its checkpoints.
   bool find_begin() {
     const std::uint64_t first_tick = source_.first_tick();
     if (first_tick == 0) return true;
@@ -102,13 +102,13 @@ class Verifier {
     return false;
   }
 
-  /// The last checkpoint at or before `tick`; else the begin.
+  /// The last checkpoint at or before `tick`, or else the begin.
   Start find_start(std::uint64_t tick) {
     if (tick > begin_.tick && can_load(context_, findings_)) {
       if (const CheckpointRecord* checkpoint = seek_start(tick)) {
         if (checkpoint->time_s) return start_at(*checkpoint, *checkpoint->time_s);
         const std::uint64_t found = checkpoint->tick;
-        // Ticks may have different dt: the time of the checkpoint is known only by adding them up.
+        // Ticks may have different dt: the time of a checkpoint is the sum of the dt before it.
         double time_s = 0;
         source_.rewind();
         for (;;) {
@@ -123,7 +123,7 @@ class Verifier {
     return begin_;
   }
 
-  /// Reads the last checkpoint at or before `tick` at which a run can begin; null where that is the begin.
+  /// Reads the last checkpoint at or before `tick` at which a run can begin; null: the begin.
   const CheckpointRecord* seek_start(std::uint64_t tick) {
     while (source_.seek(tick)) {
       const auto* checkpoint = std::get_if<CheckpointRecord>(&source_.next());
@@ -134,7 +134,7 @@ class Verifier {
     return nullptr;
   }
 
-  /// Adds what a walk found to the report.
+  /// Adds the result of a walk to the report.
   void take(WalkResult result) {
     report_.ticks_compared += result.ticks_compared;
     report_.checkpoints_compared += result.checkpoints_compared;
@@ -176,7 +176,7 @@ class Verifier {
     take(std::move(result));
   }
 
-  /// In order, from `start` to the end.
+  /// Walks in order, from `start` to the end.
   WalkResult walk_from(const Start& start) {
     Segment whole;
     whole.start = start;
@@ -186,8 +186,8 @@ class Verifier {
     return walk(context_, source_, whole);
   }
 
-  /// Confirms a finding by a run from the setup, or from the first checkpoint of a trace that begins late. A finding of
-  /// a run from a later checkpoint is a divergence only if the run from the setup has a finding too.
+  /// Confirms a finding by a run from the setup, or from the first checkpoint of a trace that begins late. The finding
+  /// of a run from a later checkpoint is a divergence only if the run from the setup also has a finding.
   void run_from_setup(std::optional<UnconfirmedFinding> unconfirmed) {
     if (unconfirmed && !options_.confirm_from_start)
       return conclude_walk(std::move(unconfirmed->found), unconfirmed->start);
@@ -206,7 +206,7 @@ class Verifier {
     conclude_walk(std::move(unconfirmed->found), unconfirmed->start);
   }
 
-  /// Called if the run from the setup agrees with the recording.
+  /// Requires: the run from the setup agrees with the recording.
   void judge_unconfirmed(const UnconfirmedFinding& unconfirmed) {
     const Start& start = unconfirmed.start;
     const WalkResult& found = unconfirmed.found;
@@ -246,7 +246,7 @@ class Verifier {
     judge(*mismatch, first, near);
   }
 
-  /// Replays with one thread, then with each other number of them.
+  /// Replays with one thread, and with each other number of threads.
   void run_threads() {
     run_replay();
     if (findings_.decided) return;
@@ -276,8 +276,8 @@ class Verifier {
     findings_.notes.push_back("the same with 1, 2, 4 and 8 threads");
   }
 
-  /// The second run begins at the last checkpoint before the mismatch. If its final state differs from that of the
-  /// first run, the whole trace is run again.
+  /// The second run begins at the last checkpoint before the mismatch. If it ends in another state than the first run,
+  /// the whole trace is run again.
   void judge(const Mismatch& mismatch, const Start& first, const Start& near) {
     Rerun rerun;
     if (near.tick > first.tick) {
@@ -289,14 +289,14 @@ class Verifier {
     if (options_.search_single_bit) explain_by_single_bit(context_, mismatch, findings_);
   }
 
-  /// A checkpoint of columns is compared as a whole, so that matching segments make a matching run. A save is not
-  /// compared: a run may match after it though the run before it leads elsewhere.
+  /// A checkpoint of columns is compared as a whole, so matching segments prove a matching run. A save is not compared:
+  /// a run from a save can match, although the run up to the save would continue differently.
   bool walks_segments() {
     const bool wanted = (options_.thread_count > 1 && options_.reopen) || options_.in_segments;
     return wanted && !options_.wrap && !loads_saves(context_) && can_load(context_, findings_);
   }
 
-  /// False: something has to be walked in order. What was found behind a loaded checkpoint is a suspicion.
+  /// False: some ticks must be walked in order. A finding after a loaded checkpoint is not confirmed yet.
   bool replay_segments(const Start& first, std::optional<UnconfirmedFinding>& unconfirmed) {
     const SegmentPlan plan = plan_segments(context_, source_, first, segment_count_max);
     if (plan.segment_begins.size() < 2) return false;
@@ -347,7 +347,7 @@ class Verifier {
       if (!findings_.decided) refuse_loading(context_, findings_);
       return;
     }
-    // The start of the whole is a checkpoint too: the one at tick 0 is loaded, not made.
+    // The first segment also begins at a checkpoint: the state at tick 0 is loaded too.
     Start first = find_start(options_.from);
     if (findings_.decided) return;
     if (!first.loaded) {
@@ -367,7 +367,7 @@ class Verifier {
     std::optional<UnconfirmedFinding> unconfirmed;
     bool clean = restore_segments(plan, {options_.thread_count, false, true, true}, unconfirmed);
     if (clean && options_.to_end) {
-      // Each tick counts once: the runs to the end are only compared.
+      // Each tick counts once: the runs to the end are compared and not counted.
       SegmentPlan later = plan;
       later.segment_begins.erase(later.segment_begins.begin());
       if (!later.segment_begins.empty())
@@ -377,7 +377,7 @@ class Verifier {
     if (clean && loads_saves(context_)) compare_in_order();
   }
 
-  /// Behind runs that began at saves: the run from the begin, whose ticks are counted already.
+  /// After runs that began at saves: compares the run from the begin, whose ticks are already counted.
   void compare_in_order() {
     WalkResult in_order = walk_from(begin_);
     if (is_clean(in_order, true)) return;
@@ -391,7 +391,7 @@ class Verifier {
       findings_.notes.push_back("runs from a checkpoint begin with its save, which " + setup_.simulation + " loads");
   }
 
-  /// False: not all was walked and as recorded.
+  /// False: some segment was not walked completely, or has a finding.
   bool restore_segments(const SegmentPlan& plan, const SegmentOptions& segment_options,
                         std::optional<UnconfirmedFinding>& unconfirmed) {
     auto results = walk_segments(context_, source_, plan, segment_options);
@@ -429,7 +429,7 @@ class Verifier {
     for (std::string& warning : findings_.warnings) report_.warnings.push_back(std::move(warning));
   }
 
-  /// Decides the verdict if every comparison agreed: it depends on how much was compared.
+  /// Decides the verdict after all comparisons agreed. It depends on how much was compared.
   void judge_end() {
     const replay::TraceTail* tail = report_.end ? &report_.end->tail : nullptr;
     const bool any = report_.ticks_compared > 0;
@@ -463,14 +463,14 @@ class Verifier {
   const replay::TraceSetup& setup_;
   const VerifyOptions& options_;
   const WalkContext context_;
-  Start begin_;  // the setup; of a trace that begins late its first checkpoint
+  Start begin_;  // the setup; if the trace begins late, its first checkpoint
   Report report_;
   Findings findings_;
   bool changed_ = false;
-  std::uint64_t tick_ = 0;  // ticks done
+  std::uint64_t tick_ = 0;  // number of ticks walked
 };
 
-/// Suggests commands for further examination.
+/// Adds commands for further examination.
 void suggest(const replay::TraceSetup& setup, const VerifyOptions& options, Report& report) {
   const std::string file = shell_word(report.file);
   const std::string verify_command = options.tool + " verify " + file;

@@ -1,12 +1,11 @@
-// Re-simulates a trace and compares every tick with what was recorded.
+// Re-simulates a trace and compares every tick with the recording.
 // SPDX-License-Identifier: MIT
 //
-// Verified: of every tick all that the trace stores of it: root hash, hash after each stage, state image, cells; every
-// checkpoint; that the state made from the setup is the recorded one; that a divergence shows again in a second run. In
-// segments each run begins with a recorded checkpoint, and its end is compared with the checkpoint where the next one
-// begins. What a run from a checkpoint finds is a divergence only if a run from the setup has a finding as well; else
-// the state is incomplete.
-// Not verified in order (one thread, from the start): that a run from a checkpoint goes the same way.
+// Verified: each stored part of each tick (root hash, hash after each stage, state image, cells); each checkpoint; the
+// state from the setup; a divergence, by a second run. In segments, each run begins at a recorded checkpoint, and its
+// end is compared with the checkpoint of the next run. A finding of a run from a checkpoint is a divergence only if a
+// run from the setup also has a finding. Otherwise the verdict is state_incomplete.
+// Not verified in order (one thread, from the start): that a run from a checkpoint gives the same result.
 #pragma once
 
 #include <array>
@@ -37,52 +36,53 @@ inline constexpr std::array<VerifyModeInfo, 4> verify_modes{{
     {VerifyMode::threads, "threads", "run with 1, 2, 4 and 8 threads; simulations that have one refuse"},
 }};
 
-/// One of several runs that share the segments of a trace (verifier/verify/parts.h).
+/// One of several runs that divide the segments of a trace (verifier/verify/parts.h).
 struct TracePart {
   std::size_t index = 0;
   std::size_t count = 1;
 };
 
 struct VerifyOptions {
-  const SimulationInfo* simulation = nullptr;  // null: this build has none of that name
+  const SimulationInfo* simulation = nullptr;  // null: this build has none with this name
   VerifyMode mode = VerifyMode::replay;
-  std::uint64_t from = 0;           // first tick to compare; the run begins at the last checkpoint before it
-  std::optional<std::uint64_t> to;  // last tick to compare; the trace is not read beyond it
-  bool to_end = false;              // restore: from each checkpoint to the end, instead of to the next checkpoint
-  std::size_t row_count_max = 64;   // lanes and candidates listed in a report
+  std::uint64_t from = 0;           // first tick to compare; the run begins at the last checkpoint at or before it
+  std::optional<std::uint64_t> to;  // last tick to compare; later ticks are not read
+  bool to_end = false;              // restore: run from each checkpoint to the end, instead of to the next checkpoint
+  std::size_t row_count_max = 64;   // number of lanes and candidates in a report
   std::uint64_t spread_ticks = 64;  // ticks after a divergence in which differing rows are counted; 0: none
   std::function<void(std::uint64_t ticks_done)> progress;  // may be empty; called by one thread at a time
 
-  /// Called after each tick that counts as compared, with the simulated time at its end. May be empty; any thread.
+  /// Called after each tick that counts as compared, with the simulated time at its end. May be empty; any thread may
+  /// call it.
   std::function<void(double time_s)> on_compared;
 
-  /// If the trace stores only the hash of the differing tick: search for a single bit that explains the hash (replay).
+  /// If the trace stores only the hash of the differing tick: search a single bit that explains the hash (replay).
   bool search_single_bit = false;
 
-  std::string tool = "ticktrue";  // the beginning of commands in reports; includes the options that load a plug-in
+  std::string tool = "ticktrue";  // the begin of commands in reports, with the options that load a plug-in
 
-  /// Replay: walks segments between checkpoints even on one thread. Several threads with `reopen` always do so.
+  /// Replay: walks segments between checkpoints, even with one thread. Several threads with `reopen` always do so.
   bool in_segments = false;
-  /// Replay of the whole: walks the segments of this part alone. What it finds is not confirmed from the setup.
+  /// Replay of the whole trace: walks only the segments of this part. Findings are not confirmed from the setup.
   std::optional<TracePart> part;
-  /// A finding of a run from a checkpoint is confirmed by a run from the setup. Off for fault injection.
+  /// Whether a finding of a run from a checkpoint is confirmed by a run from the setup. False for fault injection.
   bool confirm_from_start = true;
 
-  unsigned thread_count = 1;  // segments at once, where `reopen` is given
-  /// Opens the same trace for another thread; null if that fails. May be empty: then one thread is used.
+  unsigned thread_count = 1;  // number of parallel segments, if `reopen` is set
+  /// Opens the same trace for another thread; null: this failed. If it is empty, one thread is used.
   std::function<std::unique_ptr<TraceSource>()> reopen;
 
-  /// Wraps the simulation (fault injection); may be empty. `ticks_done`: of its current state.
+  /// Wraps the simulation (fault injection); may be empty. `ticks_done`: number of ticks before its present state.
   std::function<std::unique_ptr<Simulation>(std::unique_ptr<Simulation> simulation, std::uint64_t ticks_done)> wrap;
 };
 
-/// Reads the whole trace (up to options.to) in bounded memory, whatever the findings.
+/// Reads the whole trace (up to options.to) in bounded memory, also after a finding.
 Report verify(replay::TraceReader& reader, const VerifyOptions& options);
 
-/// The same over any source of records. Fills all of the report but `file` and the build facts.
+/// The same for any source of records. Fills all of the report except `file` and the build facts.
 Report verify_source(TraceSource& source, const VerifyOptions& options);
 
-/// Said where no state outside the table `world` changed in all these ticks.
+/// The warning that no state outside the table `world` changed in all these ticks.
 std::string unchanged_state_warning(std::uint64_t tick_count);
 
 /// The report of a trace that could not be opened.

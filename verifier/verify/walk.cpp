@@ -74,7 +74,7 @@ class SegmentWalk {
     }
   }
 
-  /// Compares the state after loading with the image that was loaded.
+  /// Compares the loaded state with its image.
   bool check_loaded() {
     if (!segment_.start.loaded) return true;
     if (segment_.counts_load) ++result_.checkpoints_compared;
@@ -91,7 +91,7 @@ class SegmentWalk {
                                 : "the hash of the tick before agrees, the checkpoint does not");
   }
 
-  /// Compares the present state with a checkpoint. False: reported.
+  /// Compares the present state with a checkpoint. False: they differ, and the finding is set.
   bool check_image(std::uint64_t expected_root, ByteView expected, std::string_view stage, const char* note) {
     const std::uint64_t got_root = root_hash(simulation_->state());
     encode_image(simulation_->state(), image_);
@@ -107,7 +107,7 @@ class SegmentWalk {
     describe_lanes(context_, *simulation_, expected, image_, divergence, result_.findings);
     result_.findings.divergence = std::move(divergence);
     result_.findings.decide(Verdict::diverged, "");
-    // Two simulations with different initial states are not reproducible; otherwise the build differs.
+    // Two simulations with different initial states are not reproducible. Otherwise the builds differ.
     if (result_.tick == segment_.start.tick)
       if (const auto again = begin_at(context_, segment_.start, result_.findings)) {
         Bytes second;
@@ -137,7 +137,7 @@ class SegmentWalk {
     return false;
   }
 
-  /// False: the result is not the recorded one.
+  /// False: the result differs from the recorded one.
   bool compare_tick(const TickRecord& record) {
     const TickSide sides[] = {side_of(record), side_here()};
     const std::optional<TickDifference> difference = comparer_.compare(sides);
@@ -192,7 +192,7 @@ class SegmentWalk {
                                        place_text(context_.setup.schema, *place, names_of(*simulation_)));
       result_.findings.non_finite = find_non_finite_of(*simulation_, result_.tick);
     }
-    // A state that load would refuse is not stepped: the behaviour of the simulation is undefined.
+    // A state that load would refuse is not stepped: the behaviour of the simulation would be undefined.
     const bool goes_on =
         context_.options.spread_ticks > 0 && ticktrue::check_image(*simulation_->state().schema, found.got);
     if (!follow_spread(item, goes_on ? context_.options.spread_ticks : 0, found.divergence))
@@ -200,8 +200,8 @@ class SegmentWalk {
     result_.mismatch = std::move(found);
   }
 
-  /// Continues after the divergence and counts the differing rows 1, 2, 4, 8, ... ticks later. `item` is the last
-  /// item read from the source. False: the source reached its end.
+  /// Continues after the divergence and counts the differing rows 1, 2, 4, 8, ... ticks later. `item`: the last item
+  /// read from the source. False: the source has ended.
   bool follow_spread(const replay::TraceReader::Item& item, std::uint64_t tick_count, Divergence& divergence) {
     CellHasher hasher(context_.setup.schema);
     const replay::TraceReader::Item* next = &item;
@@ -234,7 +234,7 @@ class SegmentWalk {
     result_.trace_end = std::move(end);
   }
 
-  /// The recording ended because the next tick produced a NaN or an infinity. The same must happen here, in the same
+  /// The recording ended because the next tick produced a NaN or an infinity. This must happen here too, in the same
   /// column and row.
   void check_non_finite_end(const replay::TraceTail& tail) {
     // A tick without inputs and with an unchanged dt leaves no pending record.
@@ -263,10 +263,10 @@ class SegmentWalk {
   TraceSource& source_;
   const Segment& segment_;
   TickComparer comparer_;
-  StageHashes stages_;  // of the tick that ran last, where the trace stores them
+  StageHashes stages_;  // of the last tick, if the trace stores them
   WalkResult result_;
   std::unique_ptr<Simulation> simulation_;
-  double last_dt_;  // s, of the tick that ran last
+  double last_dt_;  // s, of the last tick
   ChangeWatch watch_;
   Bytes image_;  // reused
 };
@@ -365,7 +365,7 @@ bool is_start(const WalkContext& context, const CheckpointRecord& checkpoint) {
 
 bool can_load(const WalkContext& context, Findings& findings) {
   if (loads_saves(context)) return true;
-  // A simulation that cannot load says so for any image; others refuse the empty one without effect.
+  // A simulation that cannot load refuses any image as unsupported. Others refuse the empty image without effect.
   const std::unique_ptr<Simulation> simulation = make_simulation(context, findings);
   if (simulation == nullptr) return false;
   const Status loaded = simulation->load({});

@@ -18,13 +18,13 @@
 
 namespace ticktrue::verifier {
 
-/// Where a run begins: the state made from the setup (tick 0, not loaded), or a checkpoint that was loaded.
+/// Where a run begins: the state from the setup (tick 0, not loaded), or a loaded checkpoint.
 struct Start {
   std::uint64_t tick = 0;
   double time_s = 0;
   bool loaded = false;
-  Bytes image;  // where loaded
-  Bytes save;   // the same; empty where the trace has none
+  Bytes image;  // if loaded
+  Bytes save;   // if loaded; empty: the trace has none
   std::uint64_t root_hash = 0;
 };
 Start start_at(const replay::CheckpointRecord& checkpoint, double time_s);
@@ -35,7 +35,7 @@ struct WalkContext {
   const VerifyOptions& options;
 };
 
-/// The findings of a walk, as the report states them. `decided`: the verdict is final.
+/// The findings of a walk, for the report. `decided`: the verdict is final.
 struct Findings {
   bool decided = false;
   Verdict verdict = Verdict::incomplete;
@@ -48,37 +48,37 @@ struct Findings {
 
   void decide(Verdict found, std::string why, std::string next = "");
   void not_reproducible(const std::string& why);
-  /// Sets the verdict for a tick for which Simulation::step returned an error.
+  /// Sets the verdict for a tick whose Simulation::step returned an error.
   void undone(const Error& error);
   void warn_unreadable(std::uint64_t tick, const Error& error);
 };
 
-/// The names of the rows of the state here. The simulation must outlive them.
+/// The names of rows in the state here. The simulation must outlive the result.
 RowNamer names_of(const Simulation& simulation);
 
-/// A fresh simulation from the setup; null where the setup is refused (then `findings` says so).
+/// A new simulation from the setup; null: the setup is refused, and `findings` has the reason.
 std::unique_ptr<Simulation> make_simulation(const WalkContext& context, Findings& findings);
-/// A simulation in the state of `start`; null where that is refused (then `findings` says so).
+/// A simulation in the state of `start`; null: this is refused, and `findings` has the reason.
 std::unique_ptr<Simulation> begin_at(const WalkContext& context, const Start& start, Findings& findings);
-/// Whether states come back from the saves of the trace, by the simulation's own load. Else they come from the images
-/// of checkpoints.
+/// Whether runs begin with the saves of the trace, which the simulation loads itself. Otherwise they begin with the
+/// images of checkpoints.
 bool loads_saves(const WalkContext& context);
-/// Whether a run can begin at the checkpoint, if the simulation can load at all.
+/// Whether a run can begin at the checkpoint. Requires: the simulation can load.
 bool is_start(const WalkContext& context, const replay::CheckpointRecord& checkpoint);
 /// Whether the simulation can load states.
 bool can_load(const WalkContext& context, Findings& findings);
 /// Sets the verdict if loading is required and not supported.
 void refuse_loading(const WalkContext& context, Findings& findings);
 
-/// Describes the divergence between the recorded tick `expected` and the tick of this build. The detail depends on
-/// what the trace stores of the tick. May add warnings to `findings`.
+/// Describes the divergence between the recorded tick `expected` and the tick of this build. The detail depends on what
+/// the trace stores of the tick. Can add warnings to `findings`.
 Divergence describe_mismatch(const WalkContext& context, Simulation& simulation, const StoredTick& expected,
                              double time_s, const TickSide& got, Findings& findings);
-/// Fills tables, rows and lanes from two images; warns where the expected one cannot be read.
+/// Fills tables, rows and lanes from two images. Warns if the expected image is unreadable.
 void describe_lanes(const WalkContext& context, Simulation& simulation, ByteView expected, ByteView got,
                     Divergence& divergence, Findings& findings);
 
-/// Whether any state changed, except in the table `world`, whose tick and time always change.
+/// Whether any state has changed, except in the table `world`, whose tick and time always change.
 class ChangeWatch {
  public:
   void begin(const StateView& state);
@@ -93,17 +93,17 @@ class ChangeWatch {
 enum class WalkEnd : std::uint8_t {
   end_of_trace,
   reached_stop,  // the checkpoint at the end of the segment, or the last tick requested
-  mismatch,      // a tick has another hash: `mismatch` describes it, the verdict is not decided yet
+  mismatch,      // a tick has another hash: `mismatch` describes it, and the verdict is not decided yet
   stopped,       // another finding
   abandoned,     // Segment::is_abandoned returned true
 };
 
-/// A tick whose result is not the recorded one.
+/// A tick whose result differs from the recorded one.
 struct Mismatch {
   StoredTick expected;
-  TickPart part = TickPart::root_hash;    // that differs
+  TickPart part = TickPart::root_hash;    // the differing part
   Bytes got;                              // image of the state here
-  std::vector<std::uint64_t> got_stages;  // hashes after the stages here; empty unless stored of the tick
+  std::vector<std::uint64_t> got_stages;  // hashes after the stages here; empty unless stored for the tick
   Divergence divergence;
 };
 
@@ -112,31 +112,31 @@ struct WalkResult {
   WalkEnd end = WalkEnd::stopped;
   Findings findings;
   std::optional<Mismatch> mismatch;
-  std::uint64_t tick = 0;  // ticks done
+  std::uint64_t tick = 0;  // number of ticks before the end of the walk
   double time_s = 0;       // simulated at `tick`
   double last_tick_s = 0;  // simulated at the end of the last tick compared, as in reports
   std::uint64_t ticks_compared = 0;
   std::uint64_t checkpoints_compared = 0;
   ComparedParts compared;                  // of these ticks
-  std::optional<std::uint64_t> root_hash;  // of the last state that was as recorded
-  bool changed = false;                    // some state outside the table `world`
-  std::uint64_t last_checkpoint = 0;       // tick of the last checkpoint passed, or of the start
+  std::optional<std::uint64_t> root_hash;  // of the last state that matched
+  bool changed = false;                    // some state outside the table `world` has changed
+  std::uint64_t last_checkpoint = 0;       // tick of the last checkpoint on the way, or of the start
   double last_checkpoint_s = 0;            // simulated time there
-  std::optional<TraceEnd> trace_end;       // where the end was read
-  std::optional<Start> boundary;           // the checkpoint at which the walk stopped
+  std::optional<TraceEnd> trace_end;       // set if the walk reached the end of the trace
+  std::optional<Start> boundary;           // the checkpoint at which the walk ended
 };
 
 struct Segment {
   Start start;
-  std::uint64_t stop = std::numeric_limits<std::uint64_t>::max();  // ends at the checkpoint of this tick, compared
+  std::uint64_t stop = std::numeric_limits<std::uint64_t>::max();  // the walk ends at its checkpoint, which is compared
   std::uint64_t count_from = 0;                                    // ticks from here on count as compared
-  bool counts = true;                                              // false: nothing counts
-  bool counts_load = true;             // whether comparing the loaded state with the checkpoint counts
-  std::function<bool()> is_abandoned;  // asked once a tick; may be empty
+  bool counts = true;                                              // false: no tick counts
+  bool counts_load = true;             // whether the comparison of the loaded state with the checkpoint counts
+  std::function<bool()> is_abandoned;  // called once per tick; may be empty
   std::function<void(std::uint64_t ticks_done)> progress;  // may be empty
 };
 
-/// Walks the segment. Requires: `source` is positioned just behind the checkpoint of the start, or at its beginning.
+/// Walks the segment. Requires: `source` is directly after the checkpoint of the start, or at its beginning.
 WalkResult walk(const WalkContext& context, TraceSource& source, const Segment& segment);
 
 }  // namespace ticktrue::verifier

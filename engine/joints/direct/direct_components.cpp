@@ -5,8 +5,8 @@
 #include <algorithm>
 #include <numeric>
 
-#include "engine/islands/union_find.h"
 #include "engine/joints/joint_order.h"
+#include "engine/math/union_find.h"
 #include "engine/model/model.h"
 #include "engine/model/state.h"
 

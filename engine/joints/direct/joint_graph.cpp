@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "base/assert.h"
+#include "engine/math/union_find.h"
 
 namespace ticktrue::engine {
 namespace {
@@ -32,13 +33,7 @@ class Components {
     }
   }
 
-  std::uint32_t find(std::uint32_t body) {
-    while (parent_[body] != body) {
-      parent_[body] = parent_[parent_[body]];
-      body = parent_[body];
-    }
-    return body;
-  }
+  std::uint32_t find(std::uint32_t body) { return find_root(parent_, body); }
   /// False: both were in one set.
   bool unite(std::uint32_t a, std::uint32_t b) {
     a = find(a);

@@ -25,7 +25,7 @@
 #include "tests/fuzz/support/peers_world.h"
 #include "tests/fuzz/support/worlds.h"
 #include "tests/support/toy_simulation.h"
-#include "tool/corpus/shard_plan.h"
+#include "tool/corpus/run/shard_plan.h"
 #include "tool/session/input_source.h"
 #include "verifier/report/report_transfer.h"
 #include "verifier/store/verdict_entry.h"

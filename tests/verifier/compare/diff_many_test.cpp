@@ -1,6 +1,6 @@
 // Three to six recordings of one match: planted faults are named with trace, tick, table, column and row.
 // SPDX-License-Identifier: MIT
-#include "verifier/compare/diff_many.h"
+#include "verifier/compare/many/diff_many.h"
 
 #include <algorithm>
 #include <nlohmann/json.hpp>

@@ -9,7 +9,7 @@
 #include "tool/cli/commands.h"
 #include "tool/output/progress.h"
 #include "tool/session/simulations.h"
-#include "verifier/compare/diff_many.h"
+#include "verifier/compare/many/diff_many.h"
 
 namespace ticktrue::cli {
 namespace {

@@ -11,7 +11,7 @@
 #include "base/parallel/jobs.h"
 #include "tool/cli/commands.h"
 #include "tool/cli/upkeep/corpus_commands.h"
-#include "tool/corpus/corpus_run.h"
+#include "tool/corpus/run/corpus_run.h"
 #include "tool/output/json_output.h"
 #include "tool/output/progress.h"
 #include "verifier/corpus/trace_list.h"

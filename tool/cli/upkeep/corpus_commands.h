@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "tool/corpus/corpus_run.h"
+#include "tool/corpus/run/corpus_run.h"
 #include "tool/corpus/program_subject.h"
 #include "tool/output/cli.h"
 

@@ -8,6 +8,8 @@
 #include <tuple>
 #include <utility>
 
+#include "engine/math/union_find.h"
+
 namespace ticktrue::reduce {
 namespace {
 
@@ -106,23 +108,17 @@ std::vector<std::size_t> by_nearness(const engine::Engine& engine, const std::ve
 
 std::vector<std::vector<std::size_t>> connected_groups(const engine::Engine& engine) {
   const Scene& scene = engine.scene();
-  std::vector<std::size_t> parent(scene.bodies.size());
-  std::iota(parent.begin(), parent.end(), std::size_t{0});
-  const auto root_of = [&](std::size_t i) {
-    while (parent[i] != i) i = parent[i] = parent[parent[i]];
-    return i;
-  };
+  std::vector<std::uint32_t> parent(scene.bodies.size());
+  std::iota(parent.begin(), parent.end(), 0u);
   const auto is_static = [&](std::size_t i) { return scene.bodies[i].type == engine::BodyType::static_body; };
-  for (const auto& [a, b] : edges_of(scene, engine.broad_phase())) {
-    if (is_static(a) || is_static(b)) continue;
-    const std::size_t root_a = root_of(a), root_b = root_of(b);
-    parent[std::max(root_a, root_b)] = std::min(root_a, root_b);
-  }
+  for (const auto& [a, b] : edges_of(scene, engine.broad_phase()))
+    if (!is_static(a) && !is_static(b))
+      engine::unite(parent, static_cast<std::uint32_t>(a), static_cast<std::uint32_t>(b));
   std::vector<std::vector<std::size_t>> groups;
   std::vector<std::size_t> group_of(parent.size(), unreached);
-  for (std::size_t i = 0; i < parent.size(); ++i) {
+  for (std::uint32_t i = 0; i < parent.size(); ++i) {
     if (is_static(i)) continue;
-    std::size_t& group = group_of[root_of(i)];
+    std::size_t& group = group_of[engine::find_root(parent, i)];
     if (group == unreached) {
       group = groups.size();
       groups.emplace_back();

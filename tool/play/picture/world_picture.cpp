@@ -7,6 +7,7 @@
 #include <cstring>
 #include <numeric>
 
+#include "engine/math/union_find.h"
 #include "tool/drawing/joint_geometry.h"
 #include "tool/play/picture/theme.h"
 
@@ -82,11 +83,6 @@ std::vector<Point> rounded(const std::vector<Point>& points, double radius, doub
     }
   }
   return corners;
-}
-
-std::uint32_t root_of(std::vector<std::uint32_t>& parent, std::uint32_t row) {
-  while (parent[row] != row) row = parent[row] = parent[parent[row]];
-  return row;
 }
 
 }  // namespace
@@ -169,17 +165,15 @@ void WorldPicture::find_islands(const std::vector<engine::ContactReport>& contac
   };
   const auto meet = [&](std::uint32_t id_a, std::uint32_t id_b) {
     const std::size_t a = row_of(id_a), b = row_of(id_b);
-    if (!is_moving(a) || !is_moving(b)) return;
-    const std::uint32_t root_a = root_of(island_, static_cast<std::uint32_t>(a));
-    const std::uint32_t root_b = root_of(island_, static_cast<std::uint32_t>(b));
-    island_[std::max(root_a, root_b)] = std::min(root_a, root_b);
+    if (is_moving(a) && is_moving(b))
+      engine::unite(island_, static_cast<std::uint32_t>(a), static_cast<std::uint32_t>(b));
   };
   for (const engine::ContactReport& contact : contacts) meet(contact.body_a, contact.body_b);
   for (const engine::Joint& joint : engine_.scene().joints)
     if (engine::has_body_a(joint.kind)) meet(joint.body_a, joint.body_b);
   for (const engine::Force& force : engine_.scene().forces)
     if (force.body && force.other) meet(*force.body, *force.other);
-  for (std::uint32_t row = 0; row < island_.size(); ++row) island_[row] = root_of(island_, row);
+  for (std::uint32_t row = 0; row < island_.size(); ++row) island_[row] = engine::find_root(island_, row);
 }
 
 void WorldPicture::draw(Canvas& canvas, const View& view, const LayerSet& layers) {

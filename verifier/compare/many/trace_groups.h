@@ -1,4 +1,4 @@
-// Traces grouped by what they have in common: the majority, and the odd ones out.
+// Traces grouped by a common property: the majority, and the traces outside it.
 // SPDX-License-Identifier: MIT
 #pragma once
 
@@ -9,23 +9,23 @@
 
 namespace ticktrue::verifier {
 
-/// Places in the list of traces that are compared, ascending.
+/// Indices into the list of compared traces, ascending.
 using TraceGroup = std::vector<std::size_t>;
 
-/// The largest group first; of groups of one size that with the first trace.
+/// The largest group first. Between groups of equal size, the group with the first trace comes first.
 struct TraceGroups {
   std::vector<TraceGroup> groups;
 
   std::size_t trace_count() const;
   /// Whether more than half of the traces are in the first group.
   bool has_majority() const { return !groups.empty() && 2 * groups.front().size() > trace_count(); }
-  /// The traces outside of the majority, ascending. Empty if there is no majority.
+  /// The traces outside the majority, ascending. Empty: no majority.
   TraceGroup odd() const;
-  /// Sorts the groups, each ascending.
+  /// Sorts each group, and the groups.
   void put_in_order();
 };
 
-/// `same(i, j)`: whether two traces belong together. A trace joins the first group whose first member it is like.
+/// `same(i, j)`: whether two traces belong together. A trace joins the first group whose first member is the same.
 template <typename Same>
 TraceGroups group_traces(const TraceGroup& traces, Same same) {
   TraceGroups found;

@@ -1,6 +1,6 @@
 // Runs, and what of them is told once for all traces.
 // SPDX-License-Identifier: MIT
-#include "tool/corpus/program_runs.h"
+#include "tool/corpus/run/program_runs.h"
 
 #include <utility>
 

@@ -1,6 +1,6 @@
-// Compares setups and build facts of traces with those of one of them, and groups the traces by value.
+// Compares setups and build facts of traces with one reference trace, and groups the traces by value.
 // SPDX-License-Identifier: MIT
-#include "verifier/compare/trace_facts.h"
+#include "verifier/compare/many/trace_facts.h"
 
 #include <algorithm>
 #include <tuple>
@@ -11,7 +11,7 @@
 namespace ticktrue::verifier {
 namespace {
 
-/// A fact in which one trace differs from the reference.
+/// A fact whose value differs between one trace and the reference.
 struct PairFact {
   std::string what;
   std::string reference;
@@ -26,7 +26,7 @@ TraceGroup open_traces(std::span<const OpenedTrace> traces) {
   return open;
 }
 
-/// One fact for each name, in the order in which the names come. A trace without it has the value of the reference.
+/// One fact for each name, in order of first appearance. A trace without the fact has the value of the reference.
 std::vector<TraceFact> merged(const TraceGroup& traces, const std::vector<std::vector<PairFact>>& facts) {
   std::vector<TraceFact> found;
   for (const std::vector<PairFact>& of_trace : facts)
@@ -46,7 +46,7 @@ std::vector<TraceFact> merged(const TraceGroup& traces, const std::vector<std::v
   return found;
 }
 
-/// Orders groups of one size alike however the traces stand.
+/// A sort key for groups of equal size. It does not depend on the order of the traces.
 std::tuple<std::string, std::uint32_t, std::uint64_t> content_key(const replay::TraceSetup& setup) {
   ByteWriter schema;
   encode_schema(setup.schema, schema, SchemaLayout::third);

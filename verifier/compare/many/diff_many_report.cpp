@@ -1,4 +1,4 @@
-// What diff_many found, as text and as JSON.
+// The result of diff_many as text and as JSON.
 // SPDX-License-Identifier: MIT
 #include <algorithm>
 #include <utility>
@@ -6,8 +6,8 @@
 #include "base/count_text.h"
 #include "base/hash.h"
 #include "base/plain_text.h"
-#include "verifier/compare/diff_many.h"
-#include "verifier/compare/trace_facts.h"
+#include "verifier/compare/many/diff_many.h"
+#include "verifier/compare/many/trace_facts.h"
 #include "verifier/report/fact_differences.h"
 #include "verifier/report/json_parts.h"
 
@@ -25,7 +25,7 @@ class ManyLines {
     if (label.size() < 7) label.resize(7, ' ');
     text_ += "  " + label + " " + plain_line(content) + "\n";
   }
-  /// Lines that were made elsewhere.
+  /// Adds finished lines.
   void add_text(const std::string& text) { text_ += text; }
   std::string take() { return std::move(text_); }
 
@@ -56,7 +56,7 @@ std::string files_text(const DiffManyReport& report, const TraceGroup& traces) {
   return text;
 }
 
-/// Whether some fact of the setup is another one in a trace that is blamed.
+/// Whether a blamed trace has another value of a setup fact.
 bool is_of_other_setup(const DiffManyReport& report) {
   return std::any_of(report.setup.begin(), report.setup.end(), [&](const TraceFact& fact) {
     const TraceGroup& most = fact.values.front().traces;
@@ -91,7 +91,7 @@ std::string trace_line(const ManyTrace& trace) {
   return text;
 }
 
-/// How a trace ends, where it does not end as planned.
+/// The end of a trace that did not end as planned.
 std::string end_text(const ManyTrace& trace) {
   const replay::TraceTail& tail = trace.side.end.tail;
   if (tail.condition != replay::TraceCondition::complete)
@@ -111,7 +111,7 @@ void add_traces(const DiffManyReport& report, ManyLines& lines) {
       lines.add("end", trace_label(i) + " " + text);
 }
 
-/// Builds that are not the same for all; one line where they are.
+/// Adds the builds that differ; if all are equal, one line.
 void add_builds(const DiffManyReport& report, ManyLines& lines) {
   const auto add = [&](std::string label, auto text_of) {
     std::vector<std::string> values;

@@ -1,6 +1,6 @@
-// Groups traces by the inputs of a tick, and looks for moved inputs in the ticks behind it.
+// Groups traces by the inputs of a tick, and searches moved inputs in later ticks.
 // SPDX-License-Identifier: MIT
-#include "verifier/compare/input_difference.h"
+#include "verifier/compare/many/input_difference.h"
 
 #include <algorithm>
 
@@ -10,7 +10,7 @@
 namespace ticktrue::verifier {
 namespace {
 
-constexpr std::uint64_t moved_ticks_max = 64;  // an input that comes later than this is another one
+constexpr std::uint64_t moved_ticks_max = 64;  // an input that comes later is a different input
 constexpr std::size_t bytes_shown_max = 32;
 
 using Items = std::vector<std::string>;
@@ -20,7 +20,7 @@ bool same_inputs(const replay::TickRecord& a, const replay::TickRecord& b) {
          std::equal(a.inputs.begin(), a.inputs.end(), b.inputs.begin(), b.inputs.end());
 }
 
-/// What `a` has more often than `b`, in the order of `a`.
+/// The elements that `a` has more often than `b`, in the order of `a`.
 Items without(const Items& a, Items b) {
   Items left;
   for (const std::string& item : a) {
@@ -78,7 +78,7 @@ std::string InputComparer::lines(std::uint64_t tick, ByteView bytes) const {
   return simulation_ != nullptr ? simulation_->inputs_text(tick, bytes) : "";
 }
 
-/// The number of the tick in each line is always that of the finding: the same input has the same text in every tick.
+/// The tick number in each line is that of the finding. So the same input has the same text in each tick.
 Items InputComparer::items(ByteView bytes) const {
   if (bytes.empty()) return {};
   Items found = split_lines(lines(found_->tick, bytes));
@@ -125,7 +125,7 @@ void InputComparer::describe(std::uint64_t tick, std::span<const PresentTick> pr
   }
 }
 
-/// Looks for the inputs that were missing or extra, in a tick behind. `most`: what the majority has in that tick.
+/// Searches a later tick for the missing and extra inputs. `most`: the inputs of the majority in this tick.
 void InputComparer::follow(std::uint64_t tick, std::span<const PresentTick> present, ByteView most) {
   const Items there = items(most);
   for (OddInputs& odd : found_->odd) {

@@ -1,6 +1,6 @@
 // Estimates and a greedy division.
 // SPDX-License-Identifier: MIT
-#include "tool/corpus/costs.h"
+#include "tool/corpus/run/costs.h"
 
 #include <algorithm>
 #include <cmath>

@@ -1,10 +1,10 @@
 // Plans as bytes.
 // SPDX-License-Identifier: MIT
-#include "tool/corpus/shard_plan.h"
+#include "tool/corpus/run/shard_plan.h"
 
 #include <utility>
 
-#include "tool/corpus/costs.h"
+#include "tool/corpus/run/costs.h"
 
 namespace ticktrue::verifier {
 

@@ -1,6 +1,6 @@
 // Orders groups of traces, and names them.
 // SPDX-License-Identifier: MIT
-#include "verifier/compare/trace_groups.h"
+#include "verifier/compare/many/trace_groups.h"
 
 namespace ticktrue::verifier {
 

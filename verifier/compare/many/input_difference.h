@@ -1,8 +1,8 @@
-// The first tick whose inputs are not the same in all traces: who has what, and who lacks what.
+// The first tick whose inputs differ between traces, and the differences of each trace.
 // SPDX-License-Identifier: MIT
 //
-// An input is one event of the simulation, where the simulation can print its inputs as lines. Otherwise it is all
-// bytes of the tick.
+// An input is one event of the simulation, if the simulation can print its inputs as lines. Otherwise it is all bytes
+// of the tick.
 #pragma once
 
 #include <array>
@@ -15,7 +15,7 @@
 
 #include "base/state/simulation.h"
 #include "replay/format/trace.h"
-#include "verifier/compare/trace_groups.h"
+#include "verifier/compare/many/trace_groups.h"
 
 namespace ticktrue::verifier {
 
@@ -35,50 +35,50 @@ inline constexpr std::array<InputChangeInfo, 5> input_changes{{
 }};
 const InputChangeInfo& input_change_info(InputChange change);
 
-/// Traces that have the same inputs in the tick.
+/// Traces with the same inputs in the tick.
 struct InputGroup {
   TraceGroup traces;
   double dt = 0;  // s
   Bytes bytes;
-  std::string lines;  // JSON Lines; empty where the simulation cannot print the bytes
+  std::string lines;  // JSON Lines; empty: the simulation cannot print the bytes
 };
 
-/// One trace against the majority.
+/// One trace compared with the majority.
 struct OddInputs {
   std::size_t trace = 0;
   InputChange change = InputChange::other;
   std::vector<std::string> missing;     // inputs of the majority that the trace lacks
   std::vector<std::string> extra;       // inputs of the trace that the majority lacks
-  std::optional<std::uint64_t> later;   // tick in which the trace has what is missing, and the majority has it not
-  std::optional<std::uint64_t> before;  // the trace has what is extra that early: tick of it in the majority
+  std::optional<std::uint64_t> later;   // tick in which the trace has the missing input, and the majority lacks it
+  std::optional<std::uint64_t> before;  // tick in which the majority has the extra input, after the trace
 };
 
 struct InputsFinding {
   std::uint64_t tick = 0;
-  std::vector<InputGroup> groups;  // as in `who`
+  std::vector<InputGroup> groups;  // in the order of `who`
   TraceGroups who;
-  std::vector<OddInputs> odd;  // empty if there is no majority
+  std::vector<OddInputs> odd;  // empty: no majority
 };
 
-/// A trace that has the tick.
+/// A trace with the present tick.
 struct PresentTick {
   std::size_t trace = 0;
   const replay::TickRecord* record = nullptr;
 };
 
-/// Is given tick after tick, of all traces that have it. Holds the inputs of one tick.
+/// Receives each tick of all traces with this tick. Stores the inputs of one tick.
 class InputComparer {
  public:
-  /// `simulation` prints inputs; may be null. It must outlive this.
+  /// `simulation` prints inputs and outlives this object; may be null.
   InputComparer(const Simulation* simulation, std::size_t trace_count) : simulation_(simulation), from_(trace_count) {}
 
-  /// Whether all have the same inputs and dt. Requires: ascending ticks, at least one trace.
+  /// Whether all traces have the same inputs and dt. Requires: ascending ticks, at least one trace.
   bool compare(std::uint64_t tick, std::span<const PresentTick> present);
   const std::optional<InputsFinding>& found() const { return found_; }
-  /// The first tick in which a majority has other inputs than the trace.
+  /// The first tick in which a majority has other inputs than this trace.
   const std::optional<std::uint64_t>& from(std::size_t trace) const { return from_[trace]; }
 
-  /// JSON Lines; empty where the simulation cannot print the bytes.
+  /// JSON Lines; empty: the simulation cannot print the bytes.
   std::string lines(std::uint64_t tick, ByteView bytes) const;
 
  private:
@@ -93,7 +93,7 @@ class InputComparer {
 
 /// Bytes in hexadecimal.
 std::string input_hex(ByteView bytes);
-/// The same, at most the first 32, and how many there are. "none" for none.
+/// At most 32 bytes in hexadecimal, and the number of bytes. "none": no bytes.
 std::string input_bytes_text(ByteView bytes);
 
 }  // namespace ticktrue::verifier

@@ -1,6 +1,6 @@
-// Walks all traces tick by tick, and locates the first difference between the majority and each other group.
+// Reads all traces tick by tick, and locates the first difference between the majority and each other group.
 // SPDX-License-Identifier: MIT
-#include "verifier/compare/diff_many.h"
+#include "verifier/compare/many/diff_many.h"
 
 #include <algorithm>
 #include <array>
@@ -8,7 +8,8 @@
 #include <utility>
 
 #include "base/assert.h"
-#include "verifier/compare/trace_facts.h"
+#include "verifier/compare/many/diff_many_verdict.h"
+#include "verifier/compare/many/trace_facts.h"
 #include "verifier/compare/trace_side.h"
 #include "verifier/locate/compare_marks.h"
 #include "verifier/locate/compare_tick.h"
@@ -19,17 +20,16 @@ namespace ticktrue::verifier {
 namespace {
 
 using replay::TickRecord;
-using replay::TraceCondition;
 using replay::TraceSetup;
 
-/// One of the traces that are compared.
+/// One of the compared traces.
 struct Client {
   std::size_t trace = 0;
   const TraceSetup* setup = nullptr;
   TraceSide side;
-  const TickRecord* record = nullptr;  // the next tick; null behind the last
-  StoredTick differing;                // the first tick that differs, if the trace has it
-  ComparedParts stored;                // up to there
+  const TickRecord* record = nullptr;  // the next tick; null: the trace has ended
+  StoredTick differing;                // the first differing tick, if the trace has it
+  ComparedParts stored;                // up to this tick
 };
 
 /// The shown values of a trace.
@@ -53,7 +53,7 @@ bool stores(const TickSide& side, TickPart part) {
   return false;
 }
 
-/// One of the largest groups, by what it holds: the same one in every order of the traces.
+/// One of the largest groups. The choice depends on the content, not on the order of the traces.
 template <typename Key>
 const TraceGroup& reference_group(const TraceGroups& groups, Key key_of) {
   const TraceGroup* best = &groups.groups.front();
@@ -154,7 +154,7 @@ class ManyDiffer {
       if (client.record != nullptr && client.record->tick == tick) present_.push_back({client.trace, client.record});
   }
 
-  /// Of the present tick. The same one in every order of the traces.
+  /// The dt of the majority in the present tick. It does not depend on the order of the traces.
   double dt_of_most() const {
     const auto count_of = [&](double dt) {
       return std::count_if(present_.begin(), present_.end(),
@@ -182,7 +182,7 @@ class ManyDiffer {
       compare_states(tick);
   }
 
-  /// Hashes after the stages are compared where all have the same stages.
+  /// Hashes after the stages are compared if all traces have the same stages.
   TickSide stored_side(const TickRecord& record) const {
     TickSide side = side_of(record);
     if (!same_stages()) side.stage_hashes = {};
@@ -226,7 +226,7 @@ class ManyDiffer {
     if (!from) from = tick;
   }
 
-  /// The root hashes agree, a part does not. Noted once for each part: the roots go on being compared.
+  /// Notes that the root hashes agree and another part differs, once for each part. The comparison of roots continues.
   void note_contradiction(std::uint64_t tick, TickPart part, const std::vector<TickSide>& sides) {
     bool& told = told_parts_[static_cast<std::size_t>(part)];
     if (std::exchange(told, true)) return;
@@ -245,9 +245,9 @@ class ManyDiffer {
     report_.contradictions.push_back(contradiction_text(tick, part) + " (" + who_text(groups) + ")");
   }
 
-  // --- what decides nothing -----------------------------------------------------------------------------------------
+  // --- no effect on the result --------------------------------------------------------------------------------------
 
-  /// Tells the first difference of marks.
+  /// Reports the first difference of marks.
   void compare_marks(std::uint64_t tick) {
     if (told_marks_) return;
     std::vector<const TickRecord*> records(traces_.size());
@@ -274,7 +274,7 @@ class ManyDiffer {
     }
   }
 
-  /// Tells the first difference of shown values.
+  /// Reports the first difference of shown values.
   void compare_shown(const std::string& when, const std::vector<Shown>& shown) {
     if (told_shown_ || shown.size() < 2) return;
     TraceGroup places;
@@ -291,7 +291,7 @@ class ManyDiffer {
 
   // --- checkpoints --------------------------------------------------------------------------------------------------
 
-  /// Whether the checkpoint is a state with this hash.
+  /// Whether the checkpoint stores a state with this hash.
   bool holds(const StoredCheckpoint& checkpoint, std::uint64_t root) const {
     return checkpoint.root_hash == root && holds(checkpoint.image, root);
   }
@@ -300,8 +300,8 @@ class ManyDiffer {
     return state && root_hash(state->view()) == root;
   }
 
-  /// Those with so many ticks done. Before the first tick they are compared with each other, else with the hash of the
-  /// tick before.
+  /// Compares the checkpoints after this number of ticks: before the first tick with each other, later with the hash of
+  /// the tick before.
   void compare_checkpoints(std::uint64_t ticks_done) {
     if (report_.state) return;
     TraceGroup with;
@@ -320,7 +320,7 @@ class ManyDiffer {
     TraceGroup contradicting;
     for (const std::size_t trace : with) {
       const TraceSide& side = client_of(trace).side;
-      // Where a trace begins late, the tick behind its first checkpoint tells.
+      // If a trace begins late, the tick after its first checkpoint shows a difference.
       if (side.first_tick() == ticks_done || holds(*side.checkpoint_at(ticks_done), *agreed_root_)) continue;
       contradicting.push_back(trace);
     }
@@ -381,7 +381,7 @@ class ManyDiffer {
       report_.notes.push_back("a stored state cannot be read: " + described.error().message);
   }
 
-  /// The checkpoint behind the tick is its state. An image that is not the state of its hash is left out.
+  /// Uses the checkpoint after the tick as its state. An image without the right hash is ignored.
   void complete_image(Client& client, std::uint64_t tick) {
     StoredTick& stored = client.differing;
     if (const auto* checkpoint = client.side.checkpoint_at(tick + 1); checkpoint != nullptr && !stored.image)
@@ -392,7 +392,8 @@ class ManyDiffer {
     stored.image.reset();
   }
 
-  /// What the members of a group store of the tick, together. Cells are those with as many cells as `like` has, if any.
+  /// The data that the members of a group store of the tick. Cells with as many cells per partition as `like` are
+  /// preferred.
   TickSide side_of_group(const TraceGroup& group, const StateCells* like) {
     TickSide side{client_of(group.front()).differing.root_hash};
     for (const std::size_t trace : group) {
@@ -406,7 +407,7 @@ class ManyDiffer {
     return side;
   }
 
-  /// The clients stand behind the checkpoints, if any, of the states after the tick.
+  /// Requires: the clients have passed the checkpoints with the states after the tick, if there are any.
   void locate() {
     is_located_next_ = false;
     StateFinding& finding = *report_.state;
@@ -451,7 +452,7 @@ class ManyDiffer {
       report_.notes.push_back(note);
   }
 
-  /// The last one before the difference: all have its state.
+  /// The last checkpoint before the difference: all traces have its state.
   const StoredCheckpoint* last_checkpoint() const {
     const StoredCheckpoint* last = nullptr;
     for (const Client& client : clients_)
@@ -469,15 +470,12 @@ class ManyDiffer {
     for (std::size_t trace = 0; trace < traces_.size(); ++trace)
       if (traces_[trace].reader != nullptr) finish_trace(trace);
     if (!report_.state) note_not_compared();
-    find_blame();
-    if (report_.state) find_causes();
-    judge();
-    add_again();
+    conclude_diff(traces_, comparable_, options_, report_);
   }
 
   void finish_trace(std::size_t trace) {
     DiffSide& out = report_.traces[trace].side;
-    std::optional<TraceSide> unread;  // one that is not compared is read to its end here
+    std::optional<TraceSide> unread;  // a trace that is not compared is read to its end here
     if (!report_.traces[trace].is_compared) {
       unread.emplace(*traces_[trace].reader);
       while (unread->advance() != nullptr) {
@@ -492,7 +490,7 @@ class ManyDiffer {
       out.end.pending_inputs = inputs_->lines(out.end.tail.ticks_intact, out.end.tail.pending_inputs);
   }
 
-  /// Data that is stored for more ticks than it was compared in.
+  /// Notes data that is stored for more ticks than it was compared in.
   void note_not_compared() {
     const ComparedParts& done = report_.compared;
     const auto note = [&](TickPart part, std::uint64_t ComparedParts::*count) {
@@ -514,146 +512,6 @@ class ManyDiffer {
     note(TickPart::cells, &ComparedParts::cells);
   }
 
-  /// Inputs of a tick are there before its state.
-  void find_blame() {
-    const auto& inputs = report_.inputs;
-    const auto& state = report_.state;
-    const bool inputs_first =
-        inputs && (!state || inputs->tick < state->tick || (inputs->tick == state->tick && !state->is_start));
-    if (!inputs && !state) return;
-    const TraceGroups& who = inputs_first ? inputs->who : state->who;
-    if (!who.has_majority()) return;
-    report_.blame = Blame{who.odd(), inputs_first ? "inputs" : "state", inputs_first ? inputs->tick : state->tick};
-  }
-
-  /// Other inputs and another setup explain any difference. A cause must stand against every trace of the reference.
-  void find_causes() {
-    StateFinding& finding = *report_.state;
-    for (OddState& odd : finding.odd) {
-      if (has_other_inputs(odd.traces) || has_other_setup(odd.traces)) continue;
-      bool is_first = true;
-      for (const std::size_t trace : finding.reference) {
-        Symptoms symptoms;
-        symptoms.simulation = report_.simulation;
-        symptoms.divergence = &odd.divergence;
-        symptoms.build_a = &report_.traces[trace].side.build;
-        symptoms.build_b = &report_.traces[odd.traces.front()].side.build;
-        const std::vector<Cause> causes = likely_causes(symptoms);
-        if (std::exchange(is_first, false)) odd.why = causes;
-        std::erase_if(odd.why,
-                      [&](Cause cause) { return std::find(causes.begin(), causes.end(), cause) == causes.end(); });
-      }
-    }
-  }
-
-  bool has_other_inputs(const TraceGroup& group) const {
-    if (!report_.inputs || report_.inputs->tick > report_.state->tick) return false;
-    const auto group_of = [&](std::size_t trace) -> const InputGroup* {
-      for (const InputGroup& one : report_.inputs->groups)
-        if (std::find(one.traces.begin(), one.traces.end(), trace) != one.traces.end()) return &one;
-      return nullptr;
-    };
-    return std::any_of(group.begin(), group.end(), [&](std::size_t trace) {
-      return group_of(trace) != group_of(report_.state->reference.front());
-    });
-  }
-
-  bool has_other_setup(const TraceGroup& group) const {
-    std::vector<SetupDifference> differences;
-    for (const std::size_t trace : group)
-      compare_setups(setup_of(report_.state->reference.front()), setup_of(trace), differences);
-    return !differences.empty();
-  }
-
-  /// Whether setups of traces that are compared differ.
-  bool setups_differ() const {
-    std::vector<SetupDifference> differences;
-    for (const std::size_t trace : comparable_)
-      compare_setups(setup_of(comparable_.front()), setup_of(trace), differences);
-    return !differences.empty();
-  }
-
-  bool any_ends(TraceCondition condition) const {
-    return std::any_of(clients_.begin(), clients_.end(),
-                       [&](const Client& one) { return one.side.tail().condition == condition; });
-  }
-
-  /// Traces that are whole and end before the last one does, by whether their recorders were stopped.
-  TraceGroup shorter(bool was_stopped) const {
-    std::uint64_t end = 0;
-    for (const Client& client : clients_) end = std::max(end, client.side.end_tick());
-    TraceGroup found;
-    for (const Client& client : clients_)
-      if (client.side.tail().condition == TraceCondition::complete && client.side.end_tick() < end &&
-          client.side.was_stopped() == was_stopped)
-        found.push_back(client.trace);
-    return found;
-  }
-
-  std::string not_compared_text() const {
-    TraceGroup others;
-    for (std::size_t i = 0; i < traces_.size(); ++i)
-      if (traces_[i].reader != nullptr && !report_.traces[i].is_compared) others.push_back(i);
-    if (others.empty()) return "";
-    return labels_text(others) + " cannot be compared with " + labels_text(comparable_);
-  }
-
-  /// What differs where the states do not.
-  std::string what_differs(bool setups) const {
-    if (report_.inputs) return setups ? "the setups and the inputs differ" : "the inputs differ";
-    return setups ? "the setups differ" : "a record contradicts itself";
-  }
-
-  void judge() {
-    const auto is = [&](DiffVerdict verdict, std::string reason) {
-      report_.verdict = verdict;
-      report_.reason = std::move(reason);
-    };
-    const bool setups = setups_differ();
-    const std::string not_compared = not_compared_text();
-    const TraceGroup ended = shorter(false), stopped = shorter(true);
-    if (report_.state || report_.inputs || setups || !report_.contradictions.empty())
-      is(DiffVerdict::different,
-         report_.state || report_.ticks_compared == 0 ? "" : "states equal; " + what_differs(setups));
-    else if (!ended.empty())
-      is(DiffVerdict::different, "lengths: " + labels_text(ended) + " ended first; equal as far as they go");
-    else if (any_ends(TraceCondition::damaged))
-      is(DiffVerdict::damaged, "equal as far as all are intact");
-    else if (!not_compared.empty())
-      is(DiffVerdict::not_comparable, not_compared);
-    else if (!stopped.empty())
-      is(DiffVerdict::incomplete, "equal as far as they go; " + labels_text(stopped) + " ended early");
-    else if (any_ends(TraceCondition::truncated))
-      is(DiffVerdict::incomplete, "equal as far as they go");
-    else if (report_.ticks_compared == 0)
-      is(DiffVerdict::incomplete, "no tick was compared");
-  }
-
-  /// Commands that show the values, one for each recording build.
-  void add_again() {
-    if (!report_.state) return;
-    const StateFinding& finding = *report_.state;
-    if (std::none_of(finding.odd.begin(), finding.odd.end(),
-                     [](const OddState& odd) { return !odd.divergence.has_values(); }))
-      return;
-    const std::string number = std::to_string(finding.tick);
-    if (options_.tool.empty()) {
-      report_.again.push_back("record all again with detail full:" + number + ".." + number +
-                              ", each with the program that recorded it, and compare those");
-      return;
-    }
-    std::string compare = options_.tool + " diff";
-    for (const TraceGroup& group : finding.who.groups) {
-      const std::string& file = report_.traces[group.front()].side.file;
-      const std::string out = "full_" + trace_label(group.front()) + ".ttr";
-      report_.again.push_back(options_.tool + " record " + shell_word(file) + " --ticks " +
-                              std::to_string(finding.tick + 1) + " --detail full:" + number + ".." + number + " -o " +
-                              out);
-      compare += " " + out;
-    }
-    report_.again.push_back(compare + ", each recorded by the build of its trace");
-  }
-
   std::span<const OpenedTrace> traces_;
   const DiffOptions& options_;
   TraceGroup comparable_;
@@ -661,14 +519,14 @@ class ManyDiffer {
   TickComparer comparer_;
   std::unique_ptr<Simulation> simulation_;  // formats inputs and row names as text
   std::optional<InputComparer> inputs_;
-  std::vector<Client> clients_;       // the traces that are compared
-  std::vector<PresentTick> present_;  // those that have the present tick
+  std::vector<Client> clients_;       // the compared traces
+  std::vector<PresentTick> present_;  // the traces with the present tick
   DiffManyReport report_;
-  double time_s_ = 0;                         // simulated before the present tick
-  std::optional<std::uint64_t> agreed_root_;  // of the tick before; absent before the first one
+  double time_s_ = 0;                         // simulated time before the present tick
+  std::optional<std::uint64_t> agreed_root_;  // of the previous tick; absent before the first tick
   bool same_inputs_ = true;                   // up to the present tick
-  bool is_located_next_ = false;              // when the traces have passed the checkpoints behind the tick
-  std::string inputs_text_;                   // of the tick that differs
+  bool is_located_next_ = false;              // locate when the traces have passed the checkpoints after the tick
+  std::string inputs_text_;                   // of the differing tick
   double divergence_time_s_ = 0;
   std::array<bool, tick_parts.size()> told_parts_ = {};
   bool told_marks_ = false;

@@ -1,0 +1,22 @@
+// Reads the joints of a R.U.B.E. file into a scene.
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <vector>
+
+#include "engine/scene/scene.h"
+#include "tool/import/rube_reader.h"
+
+namespace ticktrue::verifier {
+
+/// [index in the file] index in the scene; absent: the body was left out.
+using RubeBodyIds = std::vector<std::optional<std::uint32_t>>;
+
+/// Adds the joint at this place to the scene, or a note why it is left out. The reader stores errors.
+/// Requires: the bodies of the file were read.
+void read_rube_joint(RubeReader& in, const RubePlace& at, const RubeBodyIds& body_ids, RubeNames& names,
+                     engine::Scene& scene);
+
+}  // namespace ticktrue::verifier
