@@ -241,13 +241,6 @@ struct Scene {
 /// them. Both the pipeline and check_scene use this function, so that they agree.
 bool can_collide(const Scene& scene);
 
-/// The largest restitution of two shapes that may touch; 0 if there are none. Filters and joints do not count.
-double largest_restitution(const Scene& scene);
-
-/// What `"locate_impacts": "auto"` of a scene file stands for: whether some pair has restitution 1, and the scene may
-/// have its impacts located.
-bool locates_bounces(const Scene& scene);
-
 /// Checks every rule for scenes, whatever their origin: ranges, names, hulls, masses, limits, declared inputs. `source`
 /// is the first place in an error (a file name). Messages carry the JSON path.
 /// Errors: invalid_scene, limit, incompatible (choices that do not go together; the message names choices that would

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: MIT
 #include <algorithm>
 
+#include "engine/scene/bounces.h"
 #include "engine/scene/scene_rules.h"
 
 namespace ticktrue::engine {

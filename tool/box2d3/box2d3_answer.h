@@ -44,7 +44,7 @@ struct Box2d3Answer {
   std::string package;            // version of box2d3-wasm
   std::vector<Box2d3Tick> ticks;  // those that the plan asks for, in order
   std::uint64_t clamped_tick = 0;
-  double ms_per_tick = 0;  // of the steps alone, in node
+  double ms_per_tick = 0;  // processor time of the steps alone
 };
 
 /// `from` begins messages. Errors: corrupt (not what peer.mjs writes for this scene and plan), unsupported (Box2D 3

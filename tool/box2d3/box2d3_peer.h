@@ -20,7 +20,7 @@ inline constexpr const char* box2d3_variable = "TICKTRUE_BOX2D3";
 /// bodies() and contacts() only after ticks of which the plan asks for them.
 class Box2d3Peer : public Box2dPeer {
  public:
-  /// Wall time of a tick in the child process, the steps alone.
+  /// Processor time of a tick in the child process, the steps alone.
   virtual double ms_per_tick() const = 0;
 };
 

@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "engine/scene/bounces.h"
 #include "engine/scene/hull.h"
 
 namespace ticktrue::verifier {

@@ -7,8 +7,9 @@
 // (0.02 m) apart in 2.4.1: in a stack, gaps of at most two skins count as no error. Joints have no skin.
 // Box2D 3 has no skin. Each repeat runs every setting of this engine and then every setting of each peer, on one
 // thread. Where Box2D 3 runs as WebAssembly in node, its times are not comparable with native ones. If this engine runs
-// in this process, errors are therefore compared at equal substeps, and nothing is judged. Where it runs in node as well
-// (PeerCurvesOptions::engine_program), both times are those of the steps alone, in node, after a warm-up.
+// in this process, errors are therefore compared at equal substeps, and nothing is judged. Where it runs in node as
+// well (PeerCurvesOptions::engine_program), both times are the processor time of the steps alone, in node, after a
+// warm-up.
 #pragma once
 
 #include <array>

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: MIT
 #include "tool/box2d3/engine_program.h"
 
+#include <filesystem>
 #include <string>
 
 #include "engine/engine.h"
@@ -16,6 +17,11 @@ using namespace ticktrue::test;
 namespace {
 
 using Catch::Matchers::Contains;
+
+// Beside the tool, in the same build.
+std::string engine_run() {
+  return (std::filesystem::path(TICKTRUE_TOOL).parent_path() / "engine_run").string();
+}
 
 verifier::Box2d3Plan planned(std::uint64_t tick_count, std::uint64_t interval) {
   verifier::Box2d3Plan plan;
@@ -34,7 +40,7 @@ TEST_CASE("a chain swings in engine_run as it does in this process", "[verifier]
   scene.bodies.back().position = {50, 3};
   scene.bodies.back().velocity = {1, 2};
   scene.bodies.back().angular_velocity = 0.5;
-  auto run = verifier::make_engine_program_peer(TICKTRUE_ENGINE_RUN, scene, {}, planned(60, 20));
+  auto run = verifier::make_engine_program_peer(engine_run(), scene, {}, planned(60, 20));
   if (!run) FAIL(run.error().message + "\n" + run.error().hint);
   CHECK((*run)->ms_per_tick() > 0);
   const auto own = engine::make_engine(scene);
@@ -69,7 +75,7 @@ TEST_CASE("an engine program that is missing, refuses or answers nonsense gives 
   REQUIRE_FALSE(nonsense);
   CHECK(nonsense.error().code == ErrorCode::corrupt);
   CHECK_THAT(nonsense.error().message, Contains("engine_run: the answer of echo: line 1"));
-  const auto refused = verifier::make_engine_program_peer(TICKTRUE_ENGINE_RUN, scene, {}, planned(0, 1));
+  const auto refused = verifier::make_engine_program_peer(engine_run(), scene, {}, planned(0, 1));
   REQUIRE_FALSE(refused);
   CHECK(refused.error().code == ErrorCode::io);
   CHECK_THAT(refused.error().message, Contains("ended with status 2"));
