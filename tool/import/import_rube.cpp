@@ -149,6 +149,7 @@ class Importer {
     each("body", limits::body_count_max, [&](const Place& at, std::size_t) { read_body(at); });
     each("joint", limits::joint_count_max, [&](const Place& at, std::size_t) { joint_names_.reserve(name_of(at)); });
     each("joint", limits::joint_count_max, [&](const Place& at, std::size_t) { read_joint(at); });
+    each("joint", limits::joint_count_max, [&](const Place& at, std::size_t) { read_gear(at); });
     each("image", limits::body_count_max,
          [&](const Place& at, std::size_t) { note("not imported: " + label(at) + " (no physics)"); });
     if (error_) return *error_;
@@ -548,7 +549,9 @@ class Importer {
   // ---- Joints ----
 
   void read_joint(const Place& at) {
+    joint_ids_.emplace_back();
     const std::string type = text(at, "type");
+    if (type == "gear") return;  // read_gear, when all other joints are known
     Joint joint;
     const std::size_t body_count = body_ids_.size();
     for (const char* key : {"bodyA", "bodyB"})
@@ -558,7 +561,7 @@ class Importer {
     const auto place_a = static_cast<std::size_t>(whole(at, "bodyA", 0, last, 0));
     const auto place_b = static_cast<std::size_t>(whole(at, "bodyB", 0, last, 0));
     if (error_) return;
-    if (type == "gear" || type == "pulley") return note("not imported: " + label(at) + ": " + type);
+    if (type == "pulley") return note("not imported: " + label(at) + ": " + type);
     const auto is_dynamic = [&](std::uint32_t body) { return out_.scene.bodies[body].type == BodyType::dynamic_body; };
     if (place_a == place_b)
       return fail(ErrorCode::invalid_scene, at, "found body " + std::to_string(place_a) + " twice, expected two");
@@ -598,7 +601,38 @@ class Importer {
       fail(ErrorCode::invalid_scene, at, "found no \"type\"");
     if (error_) return;
     count_ignored(at, "joint");
+    joint_ids_.back() = static_cast<std::uint32_t>(out_.scene.joints.size());
     out_.scene.joints.push_back(std::move(joint));
+  }
+
+  void read_gear(const Place& at) {
+    if (text(at, "type") != "gear") return;
+    const auto leave_out = [&](const std::string& why) { note("not imported: " + label(at) + ": gear, " + why); };
+    Joint gear;
+    gear.kind = JointKind::gear;
+    std::uint32_t* const parts[] = {&gear.joint_a, &gear.joint_b};
+    const char* const keys[] = {"joint1", "joint2"};
+    for (std::size_t i = 0; i < 2; ++i) {
+      if (!at.has(keys[i])) return leave_out("which names no " + std::string(keys[i]));
+      const auto last = static_cast<std::int64_t>(joint_ids_.size()) - 1;
+      const auto place = static_cast<std::size_t>(whole(at, keys[i], 0, last, 0));
+      if (error_) return;
+      if (!joint_ids_[place]) return leave_out("a joint of which was not imported");
+      *parts[i] = *joint_ids_[place];
+      if (!traits_of(out_.scene.joints[*parts[i]].kind).has_coordinate)
+        return leave_out("a joint of which is neither revolute nor prismatic");
+    }
+    if (out_.scene.joints[gear.joint_a].body_b == out_.scene.joints[gear.joint_b].body_b)
+      return leave_out("both joints of which have the same bodyB");
+    gear.ratio = at.has("ratio") ? number(at, "ratio") : 1;
+    const double size = gear.ratio < 0 ? -gear.ratio : gear.ratio;
+    if (error_) return;
+    if (!(size >= 1e-3 && size <= 1e3)) return leave_out("the ratio of which is 0 or extreme");
+    gear.name = joint_names_.take(name_of(at));
+    gear.collide_connected = flag(at, "collideConnected");
+    for (const char* key : {"bodyA", "bodyB", "anchorA", "anchorB", "jointSpeed"}) use(at, key);  // of its joints
+    count_ignored(at, "joint");
+    out_.scene.joints.push_back(std::move(gear));
   }
 
   void read_limits(const Place& at, Joint& joint) {
@@ -719,7 +753,8 @@ class Importer {
   RubeImport out_;
   UniqueNames body_names_;
   UniqueNames joint_names_;
-  std::vector<std::optional<std::uint32_t>> body_ids_;  // [index in the file]: index in the scene; absent: left out
+  std::vector<std::optional<std::uint32_t>> joint_ids_;  // [index in the file]: index in the scene; absent: left out
+  std::vector<std::optional<std::uint32_t>> body_ids_;   // [index in the file]: index in the scene; absent: left out
   std::set<std::pair<const Json*, std::string>> used_;
   std::map<std::string, std::size_t> ignored_;
   std::size_t note_count_ = 0;
