@@ -113,6 +113,7 @@ Pipeline compose(const Model& model, BroadPhaseKind broad_phase, bool full) {
   pipeline.tables.loads = settings.substep_loads == SubstepLoads::measured;
   pipeline.tables.pointers = model.has_pointer;
   pipeline.tables.joints = !model.joints.empty();
+  pipeline.tables.gears = !model.gears.empty();
   pipeline.tables.accelerations = keeps_accelerations(model);
   pipeline.tables.integrator = model.scene.settings.integrator == IntegratorKind::implicit_midpoint;
   return pipeline;

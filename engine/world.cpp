@@ -398,6 +398,11 @@ class World final : public Engine {
   std::string name_of(const JointRow& row, std::size_t) const {
     return joint_name(row.joint);
   }
+  std::string name_of(const GearRow&, std::size_t row) const {
+    for (const JointRow& joint : state_.joints)
+      if (model_.joints[joint.joint].gear != no_gear && row-- == 0) return joint_name(joint.joint);
+    return "";
+  }
   std::string name_of(const PointerRow& row, std::size_t) const {
     return "player " + std::to_string(row.player) + " / " + body_name(row.body);
   }

@@ -171,13 +171,14 @@ inline constexpr Room rooms[] = {
      "base,base/parallel,engine/math,engine/simd,engine/model,engine/integrators,engine/joints"},
     {"engine/joints/direct",
      "base,base/parallel,engine/math,engine/scene,engine/model,engine/integrators,engine/joints"},
+    {"engine/joints/gears", "base,engine/math,engine/scene,engine/model,engine/contacts,engine/joints"},
     {"engine/impacts",
      "base,base/parallel,engine/math,engine/model,engine/narrow_phase,engine/contacts,engine/joints,"
      "engine/integrators"},
     {"engine/integrators", before_islands},
     {"engine/solvers",
      "base,base/parallel,engine/math,engine/model,engine/islands,engine/contacts,engine/joints,engine/joints/batched,"
-     "engine/joints/direct,engine/impacts,engine/integrators"},
+     "engine/joints/direct,engine/joints/gears,engine/impacts,engine/integrators"},
     {"engine/stages", "base,base/parallel,engine/math,engine/scene,engine/model,engine/narrow_phase"},
     {"replay/format", "base,base/state"},
     {"replay/file", "base"},

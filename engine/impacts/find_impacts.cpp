@@ -84,7 +84,7 @@ void add_impacts(const Model& model, const State& state, const TickLists& tick,
     const Circle circle_b = circle_around(body_b, shape_b, gravity_displacement, swept_b);
     const Real touch_distance = circle_a.radius + circle_b.radius;
     if (length_squared(circle_b.center - circle_a.center) > Real(1.01) * (touch_distance * touch_distance)) continue;
-    if (are_separated(model, body_a.id, body_b.id)) continue;
+    if (are_separated(model, state, body_a.id, body_b.id)) continue;
     const Distance gap =
         distance(model, shape_a, {body_a.position, body_a.rotation}, shape_b, {body_b.position, body_b.rotation});
     if (gap.separation > swept_a + swept_b) continue;

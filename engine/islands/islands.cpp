@@ -61,6 +61,22 @@ void unite_by_contacts(TickLists& tick, IslandWork& work) {
   });
 }
 
+/// Calls meet(row, row) for each two bodies of a joint. A gear joins its four bodies.
+template <typename Meet>
+void for_each_joined_pair(const Model& model, const State& state, Meet meet) {
+  for (const JointRow& joint : state.joints) {
+    if (joint.body_a == no_reference) continue;
+    const std::uint32_t gear = model.joints[joint.joint].gear;
+    if (gear == no_gear) {
+      meet(row_of(state, joint.body_a), row_of(state, joint.body_b));
+      continue;
+    }
+    const auto& bodies = model.gears[gear].bodies;
+    for (std::size_t i = 0; i < 4; ++i)
+      for (std::size_t k = i + 1; k < 4; ++k) meet(row_of(state, bodies[i]), row_of(state, bodies[k]));
+  }
+}
+
 /// Unites dynamic bodies that contacts, impacts, joints or springs connect.
 void unite_bodies(const Model& model, const State& state, TickLists& tick, IslandWork& work) {
   const std::size_t count = state.bodies.size();
@@ -72,8 +88,7 @@ void unite_bodies(const Model& model, const State& state, TickLists& tick, Islan
   };
   unite_by_contacts(tick, work);
   for (const ImpactPair& pair : tick.impacts) meet(pair.body_a, pair.body_b);
-  for (const JointRow& joint : state.joints)
-    if (joint.body_a != no_reference) meet(row_of(state, joint.body_a), row_of(state, joint.body_b));
+  for_each_joined_pair(model, state, meet);
   for (const SpringForce& spring : model.springs) {
     if (spring.other == no_reference) continue;
     const std::uint32_t a = row_of(state, spring.body);
@@ -125,8 +140,7 @@ void disturb(const Model& model, State& state, TickLists& tick, IslandWork& work
                              for (std::size_t i = chunk.begin; i < chunk.end; ++i)
                                meet(tick.contact_pairs[i].body_a, tick.contact_pairs[i].body_b);
                            });
-  for (const JointRow& joint : state.joints)
-    if (joint.body_a != no_reference) meet(row_of(state, joint.body_a), row_of(state, joint.body_b));
+  for_each_joined_pair(model, state, meet);
   for (const SpringForce& spring : model.springs) {
     if (spring.other == no_reference) continue;
     const std::uint32_t a = row_of(state, spring.body);

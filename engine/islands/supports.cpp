@@ -54,10 +54,10 @@ bool carries(const ContactPair& pair) {
   return least <= resting_margin(pair.size);
 }
 
-/// Whether a joint may carry a body. A motor along an axis does not, if loads are measured: the measurement has its
-/// force.
+/// Whether a joint may carry a body. A gear does not: the joints that it couples hold its bodies. A motor along an axis
+/// does not, if loads are measured: the measurement has its force.
 bool supports(const JointRow& joint, bool is_measured) {
-  if (joint.body_a == no_reference) return false;
+  if (joint.body_a == no_reference || joint.kind == static_cast<std::uint32_t>(JointKind::gear)) return false;
   return !is_measured || !slides(joint) || !(joint.motor_force_max > 0);
 }
 

@@ -8,6 +8,7 @@
 #include "engine/joints/joint_rows.h"
 #include "engine/math/trig.h"
 #include "engine/model/model.h"
+#include "engine/model/state.h"
 
 namespace ticktrue::engine::TICKTRUE_PRECISION {
 namespace {
@@ -45,7 +46,51 @@ void sort_pairs(std::vector<SeparatedPair>& pairs) {
   }
 }
 
-JointModel make_joint(const Model& model, const Joint& joint) {
+/// The coordinate of a revolute or prismatic joint at the start of the scene, rad or m.
+double start_coordinate(const Scene& scene, const Joint& joint) {
+  const Body& a = scene.bodies[joint.body_a];
+  const Body& b = scene.bodies[joint.body_b];
+  if (joint.kind == JointKind::revolute) return b.angle - a.angle - joint.reference_angle;
+  const SinCos of_a = pose_sin_cos(a.angle);
+  const SinCos of_b = pose_sin_cos(b.angle);
+  const auto rotated = [](const SinCos& by, Point p) -> Point {
+    return {by.cos * p.x - by.sin * p.y, by.sin * p.x + by.cos * p.y};
+  };
+  const Point arm_a = rotated(of_a, joint.anchor_a);
+  const Point arm_b = rotated(of_b, joint.anchor_b);
+  const Point axis = rotated(of_a, joint.axis);
+  const Point gap{(b.position.x - a.position.x) + (arm_b.x - arm_a.x),
+                  (b.position.y - a.position.y) + (arm_b.y - arm_a.y)};
+  return (axis.x * gap.x + axis.y * gap.y) / __builtin_sqrt(axis.x * axis.x + axis.y * axis.y);
+}
+
+GearModel make_gear(const Model& model, const Joint& joint) {
+  GearModel gear{};
+  for (std::size_t i = 0; i < 2; ++i) {
+    gear.joints[i] = i == 0 ? joint.joint_a : joint.joint_b;
+    const Joint& part = model.scene.joints[gear.joints[i]];
+    gear.bodies[2 * i] = part.body_a;
+    gear.bodies[2 * i + 1] = part.body_b;
+    gear.start[i] = start_coordinate(model.scene, part);
+  }
+  gear.ratio = joint.ratio;
+  gear.constant = gear.start[0] + gear.ratio * gear.start[1];
+  return gear;
+}
+
+JointModel make_gear_joint(Model& model, const Joint& joint) {
+  JointModel out;
+  out.kind = joint.kind;
+  out.gear = static_cast<std::uint32_t>(model.gears.size());
+  const GearModel& gear = model.gears.emplace_back(make_gear(model, joint));
+  out.body_a = gear.bodies[1];
+  out.body_b = gear.bodies[3];
+  out.ratio = static_cast<Real>(joint.ratio);
+  return out;
+}
+
+JointModel make_joint(Model& model, const Joint& joint) {
+  if (joins_joints(joint.kind)) return make_gear_joint(model, joint);
   const bool to_world = !has_body_a(joint.kind);
   const JointCenters centers{to_world ? Vec2{} : model.bodies[joint.body_a].center, model.bodies[joint.body_b].center};
   JointModel out;
@@ -112,6 +157,12 @@ void find_light_bodies(Model& model) {
   }
 }
 
+bool has_all_bodies(const State& state, const GearModel& gear) {
+  for (const std::uint32_t id : gear.bodies)
+    if (state.find_body(id) == state.bodies.size()) return false;
+  return true;
+}
+
 }  // namespace
 
 Vec2 from_center(Point anchor, Vec2 center) {
@@ -136,20 +187,21 @@ void describe_reference(JointModel& model, const Joint& joint, const JointCenter
 
 void make_joints(Model& model) {
   for (const Joint& joint : model.scene.joints) {
-    model.joints.push_back(make_joint(model, joint));
-    for (const std::uint32_t id : {joint.body_a, joint.body_b})
+    const JointModel made = make_joint(model, joint);
+    model.joints.push_back(made);
+    for (const std::uint32_t id : {made.body_a, made.body_b})
       if (id != no_reference && id > model.last_joined) model.last_joined = id;
-    if (joint.collide_connected || !has_body_a(joint.kind) || joint.body_a == no_reference) continue;
-    const std::uint32_t first = std::min(joint.body_a, joint.body_b), second = std::max(joint.body_a, joint.body_b);
-    model.separated.push_back({first, second});
+    if (joint.collide_connected || made.body_a == no_reference) continue;
+    const std::uint32_t first = std::min(made.body_a, made.body_b), second = std::max(made.body_a, made.body_b);
+    model.separated.push_back({first, second, made.gear});
     model.separated_span = std::max(model.separated_span, second - first);
   }
   sort_pairs(model.separated);
   find_light_bodies(model);
 }
 
-bool are_separated(const Model& model, std::uint32_t id_a, std::uint32_t id_b) {
-  const SeparatedPair wanted{id_a < id_b ? id_a : id_b, id_a < id_b ? id_b : id_a};
+bool are_separated(const Model& model, const State& state, std::uint32_t id_a, std::uint32_t id_b) {
+  const SeparatedPair wanted{id_a < id_b ? id_a : id_b, id_a < id_b ? id_b : id_a, no_gear};
   if (wanted.second - wanted.first > model.separated_span) return false;
   const std::vector<SeparatedPair>& pairs = model.separated;
   std::size_t low = 0;
@@ -161,7 +213,9 @@ bool are_separated(const Model& model, std::uint32_t id_a, std::uint32_t id_b) {
     else
       high = middle;
   }
-  return low < pairs.size() && !comes_before(wanted, pairs[low]);
+  for (; low < pairs.size() && !comes_before(wanted, pairs[low]); ++low)
+    if (pairs[low].gear == no_gear || has_all_bodies(state, model.gears[pairs[low].gear])) return true;
+  return false;
 }
 
 }  // namespace ticktrue::engine::TICKTRUE_PRECISION

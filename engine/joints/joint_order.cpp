@@ -52,6 +52,7 @@ void order_joints(const SolvedSet& solved, bool may_use_wavefront, std::span<con
   for (std::uint32_t i = 0; i < state.joints.size(); ++i) {
     if (!left_out.empty() && left_out[i] != 0) continue;
     const JointModel& joint = model.joints[state.joints[i].joint];
+    if (joint.gear != no_gear) continue;  // solved after all other joints
     const std::uint32_t b = row_of_body(state, state.joints[i].body_b);
     const std::uint32_t a = joint.body_a == no_reference ? no_reference : row_of_body(state, joint.body_a);
     const bool b_moves = masses[b].write != sink;

@@ -75,7 +75,7 @@ std::uint32_t row_of_body(const State& state, std::uint32_t id);
 
 /// Orders the joints of the set for preparation: by level and path, or in scene order. `may_use_wavefront`: tries to
 /// schedule levels for a wavefront sweep (wavefront.h). `left_out`: [row of a joint] 1 if another solver has the joint;
-/// empty: no joint is left out. Requires: prepare_bodies, enter_solver_set.
+/// empty: no joint is left out. Gears are always left out. Requires: prepare_bodies, enter_solver_set.
 void order_joints(const SolvedSet& solved, bool may_use_wavefront, std::span<const std::uint8_t> left_out,
                   JointOrderWork& work, JointOrder& out);
 

@@ -49,9 +49,12 @@ inline Softness softness(const JointWork& joint, Bias bias) {
 // ---- About the angle ----
 
 /// Of B relative to A and the reference, rad, -pi..pi.
-inline Real relative_angle(const JointWork& joint, const JointBodies& pair) {
+inline double wide_relative_angle(const JointWork& joint, const JointBodies& pair) {
   const Rotation q = between(pair.a.delta_rotation, pair.b.delta_rotation) * joint.relative_rotation;
-  return static_cast<Real>(arc_tangent(static_cast<double>(q.s), static_cast<double>(q.c)));
+  return arc_tangent(static_cast<double>(q.s), static_cast<double>(q.c));
+}
+inline Real relative_angle(const JointWork& joint, const JointBodies& pair) {
+  return static_cast<Real>(wide_relative_angle(joint, pair));
 }
 
 struct AngleRow {
@@ -94,6 +97,23 @@ inline LineRow line_row(const JointWork& joint, Vec2 axis, Vec2 arm_a, Vec2 arm_
   return {axis, lever_a, lever_b,
           (joint.inv_mass_a + joint.inv_mass_b) +
               (joint.inv_inertia_a * lever_a * lever_a + joint.inv_inertia_b * lever_b * lever_b)};
+}
+
+/// The rows of a joint with an axis that rotates with A.
+struct Slide {
+  LineRow along;
+  LineRow across;
+  Real translation;  // of B's anchor along the axis, from A's, m
+  Real deviation;    // across the axis, m
+};
+
+inline Slide slide_of(const JointWork& joint, const JointBodies& pair) {
+  const Vec2 axis = rotate(pair.a.delta_rotation, joint.axis);
+  const Vec2 normal = cross(Real(1), axis);
+  const Vec2 arm_b = rotate(pair.b.delta_rotation, joint.anchor_b);
+  const Vec2 arm_a = (joint.center_offset + (pair.b.delta_position - pair.a.delta_position)) + arm_b;  // d + r_a
+  const Vec2 d = arm_a - rotate(pair.a.delta_rotation, joint.anchor_a);
+  return {line_row(joint, axis, arm_a, arm_b), line_row(joint, normal, arm_a, arm_b), dot(axis, d), dot(normal, d)};
 }
 
 // ---- One row of either sort ----
@@ -278,6 +298,52 @@ PrincipalAxes principal_axes(const JointWork& joint, const PointRow& row);
 void prepare_point_spring(JointWork& joint, const SpringModel& spring, ActsAt place, Real h);
 void solve_point_spring(JointWork& joint, const PointRow& row, JointBodies& pair, Real impulse_max);
 
+// ---- Along the axis of a slider ----
+
+/// The axis of bodies that do not rotate against each other. An impulse along the axis includes the reactions of the
+/// two rigid rows, so that these rows stay at rest. The axis is then solved as if alone.
+struct ConstrainedLineRow {
+  Real mobility;
+  Real across;  // reactions per impulse
+  Real about_angle;
+  const Slide& slide;
+
+  Real speed(const JointBodies& pair) const { return slide.along.speed(pair); }
+  void apply(JointWork& joint, JointBodies& pair, Real impulse) const {
+    slide.along.apply(joint, pair, impulse);
+    slide.across.apply(joint, pair, across * impulse);
+    angle_row(joint).apply(joint, pair, about_angle * impulse);
+    joint.impulses.linear.x += across * impulse;
+    joint.impulses.angular += about_angle * impulse;
+  }
+};
+
+/// Coupling of the row across the axis with the row of the angle.
+inline Real slide_coupling(const JointWork& joint, const LineRow& row) {
+  return joint.inv_inertia_a * row.lever_a + joint.inv_inertia_b * row.lever_b;
+}
+
+/// With m the summed inverse mass, a, b the inverse inertias, r from A's to B's centre of mass, s its part along the
+/// axis: the energy of a translation along the axis and a common rotation gives m (a b r^2 + m (a + b)) / (a b s^2 + m
+/// (a + b)), all terms positive. Requires: m > 0.
+inline ConstrainedLineRow constrained_line_row(const JointWork& joint, const Slide& slide) {
+  const Real m = joint.inv_mass_a + joint.inv_mass_b;
+  const Real a = joint.inv_inertia_a;
+  const Real b = joint.inv_inertia_b;
+  if (a + b <= 0) return {m, 0, 0, slide};
+  const Real r_along = slide.across.lever_a - slide.across.lever_b;  // cross(r, normal) = dot(r, axis)
+  const Real r_across = slide.along.lever_b - slide.along.lever_a;
+  const Real mass_term = m * (a + b);
+  const Real along = a * b * r_along * r_along;
+  const Real k12 = slide_coupling(joint, slide.across);
+  const Real k13 = a * slide.across.lever_a * slide.along.lever_a + b * slide.across.lever_b * slide.along.lever_b;
+  const Real k23 = slide_coupling(joint, slide.along);
+  const Real inv_determinant = 1 / (slide.across.mobility * (a + b) - k12 * k12);
+  return {m * ((along + a * b * r_across * r_across + mass_term) / (along + mass_term)),
+          inv_determinant * (k12 * k23 - (a + b) * k13), inv_determinant * (k12 * k13 - slide.across.mobility * k23),
+          slide};
+}
+
 // ---- Runs of joints ----
 
 template <auto one>
@@ -315,7 +381,7 @@ extern const JointFunctions pulley_joint;     // joint_pulley.cpp
 
 struct JointTableRow {
   JointKind kind;
-  const JointFunctions* functions;
+  const JointFunctions* functions;  // null: not solved as one of these joints
 };
 inline constexpr std::array<JointTableRow, joint_kinds.size()> joint_functions{{
     {JointKind::revolute, &revolute_joint},
@@ -327,9 +393,11 @@ inline constexpr std::array<JointTableRow, joint_kinds.size()> joint_functions{{
     {JointKind::friction, &friction_joint},
     {JointKind::target, &target_joint},
     {JointKind::pulley, &pulley_joint},
+    {JointKind::gear, nullptr},  // gears/gear_joints.h
 }};
 static_assert(rows_are_in_order(joint_functions));
 
+/// Requires: no gear.
 inline const JointFunctions& functions_of(JointKind kind) {
   return *info_of(joint_functions, kind).functions;
 }

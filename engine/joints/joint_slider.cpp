@@ -11,22 +11,6 @@
 namespace ticktrue::engine::TICKTRUE_PRECISION {
 namespace {
 
-struct Slide {
-  LineRow along;
-  LineRow across;
-  Real translation;  // of B's anchor along the axis, from A's, m
-  Real deviation;    // across the axis, m
-};
-
-Slide slide_of(const JointWork& joint, const JointBodies& pair) {
-  const Vec2 axis = rotate(pair.a.delta_rotation, joint.axis);
-  const Vec2 normal = cross(Real(1), axis);
-  const Vec2 arm_b = rotate(pair.b.delta_rotation, joint.anchor_b);
-  const Vec2 arm_a = (joint.center_offset + (pair.b.delta_position - pair.a.delta_position)) + arm_b;  // d + r_a
-  const Vec2 d = arm_a - rotate(pair.a.delta_rotation, joint.anchor_a);
-  return {line_row(joint, axis, arm_a, arm_b), line_row(joint, normal, arm_a, arm_b), dot(axis, d), dot(normal, d)};
-}
-
 Slide slide_at_start(const JointWork& joint) {
   const MovingBody at_start{{0, 0}, 0, {0, 0}, {1, 0}};
   return slide_of(joint, {at_start, at_start});
@@ -44,50 +28,6 @@ void solve_spring_along(JointWork& joint, const Row& along, JointBodies& pair, R
 }
 
 // ---- Prismatic ----
-
-/// The axis of bodies that do not rotate against each other. An impulse along the axis includes the reactions of the
-/// two rigid rows, so that these rows stay at rest. The axis is then solved as if alone.
-struct ConstrainedLineRow {
-  Real mobility;
-  Real across;  // reactions per impulse
-  Real about_angle;
-  const Slide& slide;
-
-  Real speed(const JointBodies& pair) const { return slide.along.speed(pair); }
-  void apply(JointWork& joint, JointBodies& pair, Real impulse) const {
-    slide.along.apply(joint, pair, impulse);
-    slide.across.apply(joint, pair, across * impulse);
-    angle_row(joint).apply(joint, pair, about_angle * impulse);
-    joint.impulses.linear.x += across * impulse;
-    joint.impulses.angular += about_angle * impulse;
-  }
-};
-
-/// Coupling of the row across the axis with the row of the angle.
-Real coupling(const JointWork& joint, const LineRow& row) {
-  return joint.inv_inertia_a * row.lever_a + joint.inv_inertia_b * row.lever_b;
-}
-
-/// With m the summed inverse mass, a, b the inverse inertias, r from A's to B's centre of mass, s its part along the
-/// axis: the energy of a translation along the axis and a common rotation gives m (a b r^2 + m (a + b)) / (a b s^2 + m
-/// (a + b)), all terms positive. Requires: m > 0.
-ConstrainedLineRow constrained_line_row(const JointWork& joint, const Slide& slide) {
-  const Real m = joint.inv_mass_a + joint.inv_mass_b;
-  const Real a = joint.inv_inertia_a;
-  const Real b = joint.inv_inertia_b;
-  if (a + b <= 0) return {m, 0, 0, slide};
-  const Real r_along = slide.across.lever_a - slide.across.lever_b;  // cross(r, normal) = dot(r, axis)
-  const Real r_across = slide.along.lever_b - slide.along.lever_a;
-  const Real mass_term = m * (a + b);
-  const Real along = a * b * r_along * r_along;
-  const Real k12 = coupling(joint, slide.across);
-  const Real k13 = a * slide.across.lever_a * slide.along.lever_a + b * slide.across.lever_b * slide.along.lever_b;
-  const Real k23 = coupling(joint, slide.along);
-  const Real inv_determinant = 1 / (slide.across.mobility * (a + b) - k12 * k12);
-  return {m * ((along + a * b * r_across * r_across + mass_term) / (along + mass_term)),
-          inv_determinant * (k12 * k23 - (a + b) * k13), inv_determinant * (k12 * k13 - slide.across.mobility * k23),
-          slide};
-}
 
 void describe_prismatic(JointModel& model, const Joint& joint, const JointCenters& centers) {
   describe_axis(model, joint, centers);
@@ -126,7 +66,7 @@ void solve_prismatic(JointWork& joint, JointBodies& pair, Real h, Bias bias) {
     return;
   }
   // 2 x 2: across the axis and about the angle, by Cramer's rule.
-  const Real k12 = coupling(joint, slide.across);
+  const Real k12 = slide_coupling(joint, slide.across);
   const Real rate = slide.across.speed(pair) + soft.bias_rate * slide.deviation;
   const Real spin = angle.speed(pair) + soft.bias_rate * relative_angle(joint, pair);
   const Real inv_determinant = 1 / (slide.across.mobility * angle.mobility - k12 * k12);

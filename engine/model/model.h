@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "base/result.h"
+#include "base/state/schema.h"
 #include "engine/joints/joint_model.h"
 #include "engine/math/vec2.h"
 #include "engine/model/solver_kernels.h"
@@ -138,6 +139,7 @@ struct Model {
   std::uint32_t material_count = 0;
 
   std::vector<JointModel> joints;  // [joint of the scene]
+  std::vector<GearModel> gears;    // in the order of their joints
   std::vector<LightBody> light_bodies;
   std::vector<SeparatedPair> separated;  // ascending; may contain a pair twice
   std::uint32_t separated_span = 0;      // the largest difference of two ids of a pair, for a quick rejection
@@ -171,6 +173,18 @@ struct Model {
     return shapes[body_shapes[body.first_shape + child]];
   }
 };
+
+/// Calls visit(id) for each body of a joint: two, one if the other is the world, or the four of a gear. A body of a
+/// gear may come twice.
+template <typename Visit>
+void for_each_body(const Model& model, const JointModel& joint, Visit visit) {
+  if (joint.gear != no_gear) {
+    for (const std::uint32_t id : model.gears[joint.gear].bodies) visit(id);
+    return;
+  }
+  if (joint.body_a != no_reference) visit(joint.body_a);
+  visit(joint.body_b);
+}
 
 /// Requires: check_scene(scene).
 Model make_model(const Scene& scene);

@@ -71,10 +71,14 @@ Error image_error(const std::string& what) {
 /// Checks that the state has a row for each joint of the scene whose bodies exist, and no other row.
 Status check_joints(const Model& model, const State& state) {
   std::size_t row = 0;
+  std::size_t gear_count = 0;
   for (std::size_t i = 0; i < model.joints.size(); ++i) {
     const JointModel& joint = model.joints[i];
-    const bool has_a = joint.body_a == no_reference || state.find_body(joint.body_a) < state.bodies.size();
-    if (!has_a || state.find_body(joint.body_b) == state.bodies.size()) continue;
+    bool has_bodies = true;
+    for_each_body(model, joint,
+                  [&](std::uint32_t id) { has_bodies = has_bodies && state.find_body(id) < state.bodies.size(); });
+    if (!has_bodies) continue;
+    gear_count += joint.gear != no_gear ? 1u : 0u;
     const bool same = row < state.joints.size() && state.joints[row].joint == i &&
                       state.joints[row].kind == static_cast<std::uint32_t>(joint.kind) &&
                       state.joints[row].body_a == joint.body_a && state.joints[row].body_b == joint.body_b;
@@ -83,6 +87,9 @@ Status check_joints(const Model& model, const State& state) {
   }
   if (row != state.joints.size())
     return image_error("joints: found " + std::to_string(state.joints.size()) + ", expected " + std::to_string(row));
+  if (gear_count != state.gears.size())
+    return image_error("gears: found " + std::to_string(state.gears.size()) + ", expected " +
+                       std::to_string(gear_count));
   return {};
 }
 
@@ -200,6 +207,16 @@ TableSchema schema_of(const Model& model, const std::string& name, const std::ve
           },
           sizeof(JointRow),
           1};
+}
+
+TableSchema schema_of(const Model&, const std::string& name, const std::vector<GearRow>&) {
+  return {name,
+          {
+              real("coordinate_a", 1, offsetof(GearRow, coordinate_a)),
+              real("coordinate_b", 1, offsetof(GearRow, coordinate_b)),
+          },
+          sizeof(GearRow),
+          0};
 }
 
 TableSchema schema_of(const Model&, const std::string& name, const std::vector<SleepRow>&) {
@@ -379,6 +396,9 @@ State initial_state(const Model& model) {
     row.motor_speed = stored(joint.motor_speed);
     row.motor_force_max = stored(joint.motor_force_max);
     state.joints.push_back(row);
+    if (joint.gear == no_gear) continue;
+    const GearModel& gear = model.gears[joint.gear];
+    state.gears.push_back({stored(static_cast<Real>(gear.start[0])), stored(static_cast<Real>(gear.start[1]))});
   }
   return state;
 }

@@ -81,6 +81,13 @@ struct JointRow {
   Real motor_force;
 };
 
+/// The coordinates of the two joints of a gear: angles with all turns, so that a gear stays in mesh for many turns.
+/// Parallel to the gears of State::joints.
+struct GearRow {
+  Real coordinate_a;  // rad or m
+  Real coordinate_b;
+};
+
 /// The idle time of a body. Parallel to the bodies.
 struct SleepRow {
   std::uint32_t body;    // id
@@ -119,6 +126,7 @@ static_assert(sizeof(TouchRow) == 16);
 static_assert(sizeof(EventRow) == 20);
 static_assert(sizeof(PointerRow) == 8 + 6 * sizeof(Real));
 static_assert(sizeof(JointRow) == 16 + 9 * sizeof(Real));
+static_assert(sizeof(GearRow) == 2 * sizeof(Real));
 static_assert(sizeof(SleepRow) == 8 + sizeof(Real));
 static_assert(sizeof(SubstepRow) == 12);
 static_assert(sizeof(LoadRow) == 8);
@@ -135,6 +143,7 @@ struct StateTables {
   bool sensors = false;
   bool events = false;
   bool joints = false;
+  bool gears = false;
   bool sleep = false;
   bool substeps = false;
   bool loads = false;
@@ -150,6 +159,7 @@ struct State {
   std::vector<TouchRow> sensors;               // overlaps with sensors
   std::vector<EventRow> events;                // of this tick
   std::vector<JointRow> joints;                // ascending by joint
+  std::vector<GearRow> gears;                  // of `joints`, in their order
   std::vector<SleepRow> sleep;                 // [body], or empty
   std::vector<SubstepRow> substeps;            // [body], or empty
   std::vector<LoadRow> loads;                  // [body], or empty
@@ -177,6 +187,7 @@ void for_each_table(StateType& state, const StateTables& owned, Visit visit) {
   if (owned.sensors) visit("sensors", state.sensors);
   if (owned.events) visit("events", state.events);
   if (owned.joints) visit("joints", state.joints);
+  if (owned.gears) visit("gears", state.gears);
   if (owned.sleep) visit("sleep", state.sleep);
   if (owned.substeps) visit("substeps", state.substeps);
   if (owned.loads) visit("loads", state.loads);

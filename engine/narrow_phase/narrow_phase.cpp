@@ -191,7 +191,7 @@ bool may_begin(const PairSearch& search, const Proxy& a, const Proxy& b) {
   if (a.is_sensor || b.is_sensor) return false;  // the events stage handles sensors
   const BodyRow& body_a = search.state.bodies[a.body];
   const BodyRow& body_b = search.state.bodies[b.body];
-  if (are_separated(search.model, body_a.id, body_b.id)) return false;
+  if (are_separated(search.model, search.state, body_a.id, body_b.id)) return false;
   return !search.is_sparse || !are_far(search.model.shapes[a.shape], search.model.shapes[b.shape], body_a, body_b,
                                        search.gravity_displacement);
 }

@@ -172,6 +172,23 @@ double whole_power(double r, int exponent) {
   return value;
 }
 
+/// Adds gears between joints that the scene has, to three in five of the worlds with two such joints.
+void add_gears(Draw& draw, const WorldPlan& plan, Scene& scene) {
+  std::vector<std::uint32_t> parts;
+  for (std::uint32_t i = 0; i < scene.joints.size(); ++i)
+    if (traits_of(scene.joints[i].kind).has_coordinate) parts.push_back(i);
+  if (parts.size() < 2 || !draw.chance(60)) return;
+  for (std::uint32_t left = 1 + draw.below(3); left > 0; --left) {
+    Joint gear;
+    gear.kind = JointKind::gear;
+    gear.joint_a = draw.any(parts);
+    gear.joint_b = draw.any(parts);
+    gear.ratio = draw.one_of({-2, -1, -0.5, 0.5, 1, 3});
+    gear.collide_connected = plan.has(WorldFeature::collide_connected) && draw.half();
+    if (scene.joints[gear.joint_a].body_b != scene.joints[gear.joint_b].body_b) scene.joints.push_back(gear);
+  }
+}
+
 /// Adds joints of the kinds in the plan.
 void add_planned_joints(Draw& draw, const WorldPlan& plan, const std::vector<std::uint32_t>& dynamic, double size,
                         Scene& scene) {
@@ -208,6 +225,10 @@ void add_joints(Draw& draw, const WorldPlan& plan, double size, Scene& scene) {
   // Kinds that were added later have draws from a hash of the scene so far, so that worlds without them stay the same.
   for (std::size_t kind = static_cast<std::size_t>(JointKind::pulley); kind < joint_kinds.size(); ++kind) {
     Draw own(hash64(encode_scene(scene), kind));
+    if (joins_joints(joint_kinds[kind].kind)) {
+      add_gears(own, plan, scene);
+      continue;
+    }
     if (own.half()) continue;
     JointMaker maker(own, plan, size, scene);
     for (std::uint32_t left = 1 + own.below(3); left > 0; --left) {

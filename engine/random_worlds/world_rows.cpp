@@ -186,14 +186,11 @@ bool has_joint(const World& world, std::size_t row) {
 }
 
 bool take_joint(World& world, std::size_t row) {
-  constexpr std::uint32_t gone = 0xffffffff;
-  std::vector<std::uint32_t> places;  // [joint]: its index among the remaining joints
-  std::uint32_t count = 0;
-  for (const Joint& joint : world.scene.joints)
-    places.push_back(static_cast<std::size_t>(joint.kind) == row ? gone : count++);
-  erase_where(world.scene.joints, [row](const Joint& joint) { return static_cast<std::size_t>(joint.kind) == row; });
+  std::vector<std::uint8_t> is_kept;
+  for (const Joint& joint : world.scene.joints) is_kept.push_back(static_cast<std::size_t>(joint.kind) == row ? 0 : 1);
+  const std::vector<std::uint32_t> places = keep_joints(world.scene, is_kept);
   erase_where(world.inputs, [&](const Input& input) {
-    return info_of(input_kinds, input.kind).has_joint && places[input.joint] == gone;
+    return info_of(input_kinds, input.kind).has_joint && places[input.joint] == no_joint;
   });
   for (Input& input : world.inputs)
     if (info_of(input_kinds, input.kind).has_joint) input.joint = places[input.joint];

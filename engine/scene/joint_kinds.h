@@ -12,7 +12,18 @@
 
 namespace ticktrue::engine {
 
-enum class JointKind : std::uint8_t { revolute, prismatic, distance, weld, wheel, motor, friction, target, pulley };
+enum class JointKind : std::uint8_t {
+  revolute,
+  prismatic,
+  distance,
+  weld,
+  wheel,
+  motor,
+  friction,
+  target,
+  pulley,
+  gear
+};
 
 /// Fields of Joint, except name and kind.
 enum class JointField : std::uint8_t {
@@ -35,6 +46,8 @@ enum class JointField : std::uint8_t {
   ground_anchor_a,
   ground_anchor_b,
   ratio,
+  joint_a,
+  joint_b,
 };
 
 /// The quantity that the limits of a joint bound: an angle, a translation along an axis, or a distance, which is never
@@ -49,6 +62,8 @@ struct JointTraits {
   bool is_driven = false;           // adds energy, like a spring
   bool conserves_momentum = true;   // its impulses on A and B are opposite
   bool offset_is_of_world = false;  // the field `offset` is a point of the world
+  bool has_coordinate = false;      // one angle or translation says how B is placed against A: gears may couple it
+  std::uint16_t since = 0;          // version of the binary form that has the kind; 0: every version
 };
 
 struct JointKindInfo : Choice<JointKind> {
@@ -56,7 +71,7 @@ struct JointKindInfo : Choice<JointKind> {
   JointTraits traits;
 };
 
-inline constexpr std::array<JointKindInfo, 9> joint_kinds{{
+inline constexpr std::array<JointKindInfo, 10> joint_kinds{{
     {{JointKind::revolute, "revolute", "a pin: the anchors stay together, the bodies turn"},
      {{{JointField::body_a, "body_a", true},
        {JointField::body_b, "body_b", true},
@@ -67,7 +82,7 @@ inline constexpr std::array<JointKindInfo, 9> joint_kinds{{
        {JointField::motor, "motor"},
        {JointField::spring, "spring"},
        {JointField::collide_connected, "collide_connected"}}},
-     {.limits = JointLimits::angle, .is_rigid = true}},
+     {.limits = JointLimits::angle, .is_rigid = true, .has_coordinate = true}},
     {{JointKind::prismatic, "prismatic", "a slider: body B moves along an axis of body A and does not turn"},
      {{{JointField::body_a, "body_a", true},
        {JointField::body_b, "body_b", true},
@@ -79,7 +94,7 @@ inline constexpr std::array<JointKindInfo, 9> joint_kinds{{
        {JointField::motor, "motor"},
        {JointField::spring, "spring"},
        {JointField::collide_connected, "collide_connected"}}},
-     {.is_rigid = true}},
+     {.is_rigid = true, .has_coordinate = true}},
     {{JointKind::distance, "distance", "the anchors keep their distance: a rod, a spring, or a rope with limits"},
      {{{JointField::body_a, "body_a", true},
        {JointField::body_b, "body_b", true},
@@ -147,6 +162,12 @@ inline constexpr std::array<JointKindInfo, 9> joint_kinds{{
        {JointField::ratio, "ratio"},
        {JointField::collide_connected, "collide_connected"}}},
      {.has_one_anchor = false, .is_rod = true, .is_rigid = true, .conserves_momentum = false}},
+    {{JointKind::gear, "gear", "couples the coordinates of two earlier revolute or prismatic joints, with a ratio"},
+     {{{JointField::joint_a, "joint_a", true},
+       {JointField::joint_b, "joint_b", true},
+       {JointField::ratio, "ratio", false, {-1e3, 1e3}},
+       {JointField::collide_connected, "collide_connected"}}},
+     {.has_one_anchor = false, .since = 5}},
 }};
 static_assert(rows_are_in_order(joint_kinds));
 
@@ -160,6 +181,10 @@ constexpr bool has_field(JointKind kind, JointField field) {
 /// False: the joint connects body B to the world.
 constexpr bool has_body_a(JointKind kind) {
   return has_field(kind, JointField::body_a);
+}
+/// True: the bodies of the joint are those of two other joints.
+constexpr bool joins_joints(JointKind kind) {
+  return has_field(kind, JointField::joint_a);
 }
 
 }  // namespace ticktrue::engine

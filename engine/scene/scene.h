@@ -107,15 +107,15 @@ struct JointMotor {
   bool operator==(const JointMotor&) const = default;
 };
 
-/// A joint of two bodies of the scene. Comments list the kinds that use a field; other kinds keep its default. A joint
-/// is removed when one of its bodies is removed.
+/// A joint of two bodies of the scene, or of the bodies of two earlier joints (gear). Comments list the kinds that use
+/// a field; other kinds keep its default. A joint is removed when one of its bodies is removed.
 struct Joint {
   std::string name;  // may be empty; unique otherwise
   JointKind kind = JointKind::revolute;
-  std::uint32_t body_a = 0;           // index in Scene::bodies; target: not used
-  std::uint32_t body_b = 0;           // index in Scene::bodies
-  Point anchor_a;                     // in A's frame, from its origin, m; all but motor, friction, target
-  Point anchor_b;                     // in B's frame, from its origin, m; all but motor, friction
+  std::uint32_t body_a = 0;           // index in Scene::bodies; target, gear: not used
+  std::uint32_t body_b = 0;           // index in Scene::bodies; gear: not used
+  Point anchor_a;                     // in A's frame, from its origin, m; all but motor, friction, target, gear
+  Point anchor_b;                     // in B's frame, from its origin, m; all but motor, friction, gear
   Point axis{1, 0};                   // in A's frame, any length > 0; prismatic, wheel
   double reference_angle = 0;         // of B relative to A at rest, rad; revolute, prismatic, weld
   double length = 1;                  // m, of the rod or the relaxed spring; distance; pulley: l_a + ratio l_b
@@ -130,7 +130,9 @@ struct Joint {
   bool collide_connected = false;            // whether the two bodies touch each other
   Point ground_anchor_a;                     // pulley: point of the world, m; one end of A's rope
   Point ground_anchor_b;                     // pulley: point of the world, m; one end of B's rope
-  double ratio = 1;                          // pulley: r > 0 in l_a + r l_b
+  double ratio = 1;                          // pulley: r > 0 in l_a + r l_b; gear: r != 0 in c_a + r c_b
+  std::uint32_t joint_a = 0;                 // gear: index in Scene::joints, below the gear's own
+  std::uint32_t joint_b = 0;                 // gear: likewise
   bool operator==(const Joint&) const = default;
 };
 
@@ -236,6 +238,26 @@ struct Scene {
   std::optional<std::uint32_t> spawned_max;  // with more spawned bodies, the oldest one is removed
   bool operator==(const Scene&) const = default;
 };
+
+/// Calls visit(body) with the index of each body of a joint, a gear's bodies included. A body may come twice. Requires:
+/// a joint of a scene that check_scene accepts.
+template <typename Visit>
+void for_each_body(const Scene& scene, const Joint& joint, Visit visit) {
+  if (joins_joints(joint.kind)) {
+    for (const std::uint32_t part : {joint.joint_a, joint.joint_b}) {
+      visit(scene.joints[part].body_a);
+      visit(scene.joints[part].body_b);
+    }
+    return;
+  }
+  if (has_body_a(joint.kind)) visit(joint.body_a);
+  visit(joint.body_b);
+}
+
+inline constexpr std::uint32_t no_joint = 0xffffffff;
+/// Removes the joints for which `is_kept` is 0, and gears of removed joints. Returns the new index of each joint, or
+/// no_joint. Requires: is_kept.size() == scene.joints.size().
+std::vector<std::uint32_t> keep_joints(Scene& scene, const std::vector<std::uint8_t>& is_kept);
 
 /// Whether two shapes can ever touch: a dynamic body and another body that it may touch exist, or inputs may spawn
 /// them. Both the pipeline and check_scene use this function, so that they agree.

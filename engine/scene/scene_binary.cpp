@@ -16,9 +16,9 @@ namespace {
 // Versions of this encoding alone. docs/engine_setup.md defines each byte. A scene is written in the first version that
 // can represent it, so that its bytes equal those of older programs.
 constexpr std::uint16_t first_version = 2;
-constexpr std::uint16_t last_version = 4;
+constexpr std::uint16_t last_version = 5;
 
-/// The first version with all fields of the settings that differ from their defaults.
+/// The first version with all kinds of the joints, and all fields of the settings that differ from their defaults.
 std::uint16_t version_of(const Scene& scene) {
   std::uint16_t version = first_version;
   const Settings unset;
@@ -27,6 +27,8 @@ std::uint16_t version_of(const Scene& scene) {
         if (field.since > version && !same_bits(value, default_value)) version = field.since;
       },
       scene.settings, unset);
+  for (const Joint& joint : scene.joints)
+    if (traits_of(joint.kind).since > version) version = traits_of(joint.kind).since;
   return version;
 }
 
@@ -161,7 +163,7 @@ class SceneReader {
     if (in_.ok() && (version_ < first_version || version_ > last_version))
       return Error{ErrorCode::incompatible,
                    "setup: unknown encoding of the scene: found version " + std::to_string(version_) + ", expected " +
-                       std::to_string(first_version) + " or " + std::to_string(last_version),
+                       std::to_string(first_version) + ".." + std::to_string(last_version),
                    "use a newer ticktrue"};
     Scene scene;
     read_fields(scene);

@@ -22,6 +22,7 @@ struct FieldInfo {
   bool required = false;    // in JSON
   std::uint16_t since = 0;  // version of the binary form; older versions, and their JSON, mean the default
   static constexpr bool is_body = false;
+  static constexpr bool is_joint = false;
 };
 
 /// The properties of a field that only some kinds have.
@@ -29,8 +30,9 @@ template <typename Field>
 struct OwnField {
   Field own;
   std::string_view name;
-  FieldRange range{};    // if the row of the kind has no other one
-  bool is_body = false;  // an index in Scene::bodies; in JSON also a name
+  FieldRange range{};     // if the row of the kind has no other one
+  bool is_body = false;   // an index in Scene::bodies; in JSON also a name
+  bool is_joint = false;  // an index in Scene::joints; in JSON also a name
   static constexpr const char* hint = "";
 };
 
@@ -155,6 +157,8 @@ struct Fields<Joint> {
     visit(Own{JointField::ground_anchor_a, "ground_anchor_a", ranges::place}, &Joint::ground_anchor_a);
     visit(Own{JointField::ground_anchor_b, "ground_anchor_b", ranges::place}, &Joint::ground_anchor_b);
     visit(Own{JointField::ratio, "ratio", {1e-3, 1e3}}, &Joint::ratio);
+    visit(Own{JointField::joint_a, "joint_a", {}, false, true}, &Joint::joint_a);
+    visit(Own{JointField::joint_b, "joint_b", {}, false, true}, &Joint::joint_b);
   }
 };
 

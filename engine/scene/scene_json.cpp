@@ -27,7 +27,7 @@ Point in_frame_of(const Body& body, const Point& point) {
 }
 
 /// Reads a scene. The elements of its lists are read first, one at a time, in the order of the text, and then the rest.
-/// Last, names of bodies, points in world coordinates and settings that follow from bodies are resolved.
+/// Last, names of bodies and joints, points in world coordinates and settings that follow from bodies are resolved.
 class SceneJsonReader : public JsonReader {
  public:
   SceneJsonReader(const std::string& source, Scene& scene)
@@ -63,7 +63,7 @@ class SceneJsonReader : public JsonReader {
   template <typename Info, typename Value>
   Field field(std::string_view key, const Info& info, Value& out, bool required) {
     if constexpr (is_index<Value>)
-      if (info.is_body) return body_field(key, out, required);
+      if (info.is_body || info.is_joint) return index_field(key, out, required, info.is_joint);
     if constexpr (is_index<Value> || (std::is_integral_v<Value> && !std::is_same_v<Value, bool>))
       return whole(key, info.range, out, required);
     else if constexpr (std::is_enum_v<Value>)
@@ -161,9 +161,10 @@ class SceneJsonReader : public JsonReader {
 
   // ---- Joints and forces ----
 
-  /// A reference by name, resolved when all bodies are known.
-  struct NamedBody {
+  /// A reference by name, resolved when all bodies and joints are known.
+  struct NamedElement {
     bool of_joint = false;  // false: of a force
+    bool is_joint = false;  // the name of a joint; false: of a body
     std::size_t index = 0;  // of the joint or force
     std::string_view key;
     std::string name;
@@ -174,16 +175,18 @@ class SceneJsonReader : public JsonReader {
     Point point;
   };
 
-  /// A body given by index or name.
+  /// A body or joint given by index or name.
   template <typename Index>
-  Field body_field(std::string_view key, Index& out, bool required) {
-    const auto read_body = [this, key, &out](const JsonValue& v, const JsonPath& p) {
-      if (v.type == JsonValue::Type::number) return whole(v, p, {0, limits::body_count_max - 1}, out);
-      if (v.type != JsonValue::Type::text) return wrong_type(p, v, "the index or the name of a body");
-      names_.push_back({p.parent->parent->key == "joints", p.parent->index, key, v.text});
+  Field index_field(std::string_view key, Index& out, bool required, bool is_joint) {
+    const auto read_index = [this, key, &out, is_joint](const JsonValue& v, const JsonPath& p) {
+      const double count_max = is_joint ? limits::joint_count_max : limits::body_count_max;
+      if (v.type == JsonValue::Type::number) return whole(v, p, {0, count_max - 1}, out);
+      if (v.type != JsonValue::Type::text)
+        return wrong_type(p, v, is_joint ? "the index or the name of a joint" : "the index or the name of a body");
+      names_.push_back({p.parent->parent->key == "joints", is_joint, p.parent->index, key, v.text});
       return true;
     };
-    return {key, read_body, required};
+    return {key, read_index, required};
   }
 
   bool read(const JsonValue& value, const JsonPath& path, Joint& out) {
@@ -239,29 +242,39 @@ class SceneJsonReader : public JsonReader {
   }
 
   template <typename Struct, typename Row>
-  static void set_body(Struct& object, const Row& row, std::string_view key, std::uint32_t body) {
+  static void set_index(Struct& object, const Row& row, std::string_view key, std::uint32_t index) {
     visit_own_fields(
         [&](const auto& info, auto& value) {
           if constexpr (is_index<std::remove_reference_t<decltype(value)>>)
-            if (info.is_body && key_of(row, info.own) == key) value = body;
+            if ((info.is_body || info.is_joint) && key_of(row, info.own) == key) value = index;
         },
         object);
   }
 
-  bool resolve() {
-    std::map<std::string_view, std::uint32_t> bodies;
+  using NameMap = std::map<std::string_view, std::uint32_t>;
+  template <typename Element>
+  NameMap names_of(const std::vector<Element>& elements) const {
+    NameMap names;
     if (!names_.empty())
-      for (std::size_t i = 0; i < scene_.bodies.size(); ++i)
-        if (!scene_.bodies[i].name.empty()) bodies.emplace(scene_.bodies[i].name, static_cast<std::uint32_t>(i));
-    for (const NamedBody& named : names_) {
-      const auto found = bodies.find(named.name);
-      if (found == bodies.end()) return unknown_body(named);
+      for (std::size_t i = 0; i < elements.size(); ++i)
+        if (!elements[i].name.empty()) names.emplace(elements[i].name, static_cast<std::uint32_t>(i));
+    return names;
+  }
+
+  bool resolve() {
+    const NameMap bodies = names_of(scene_.bodies), joints = names_of(scene_.joints);
+    for (const NamedElement& named : names_) {
+      const NameMap& elements = named.is_joint ? joints : bodies;
+      const auto found = elements.find(named.name);
+      if (found == elements.end())
+        return named.is_joint ? unknown_name(named, scene_.joints, "joint")
+                              : unknown_name(named, scene_.bodies, "body");
       if (named.of_joint) {
         Joint& joint = scene_.joints[named.index];
-        set_body(joint, info_of(joint_kinds, joint.kind), named.key, found->second);
+        set_index(joint, info_of(joint_kinds, joint.kind), named.key, found->second);
       } else {
         Force& force = scene_.forces[named.index];
-        set_body(force, info_of(force_kinds, force.kind), named.key, found->second);
+        set_index(force, info_of(force_kinds, force.kind), named.key, found->second);
       }
     }
     for (const WorldAnchor& anchor : anchors_) {
@@ -275,14 +288,15 @@ class SceneJsonReader : public JsonReader {
     return true;
   }
 
-  bool unknown_body(const NamedBody& named) {
+  template <typename Element>
+  bool unknown_name(const NamedElement& named, const std::vector<Element>& elements, const std::string& what) {
     std::vector<std::string_view> known;
-    for (std::size_t i = 0; i < scene_.bodies.size() && known.size() < 16; ++i)
-      if (!scene_.bodies[i].name.empty()) known.push_back(scene_.bodies[i].name);
+    for (std::size_t i = 0; i < elements.size() && known.size() < 16; ++i)
+      if (!elements[i].name.empty()) known.push_back(elements[i].name);
     const JsonPath root, list{&root, named.of_joint ? "joints" : "forces"}, item{&list, {}, named.index};
     return fail(JsonPath{&item, named.key},
-                "no body of the scene has this name: found " + in_quotes(shortened(named.name)) + ", expected " +
-                    (known.empty() ? "none: no body has a name" : listed(known)),
+                "no " + what + " of the scene has this name: found " + in_quotes(shortened(named.name)) +
+                    ", expected " + (known.empty() ? "none: no " + what + " has a name" : listed(known)),
                 suggestion(named.name, known));
   }
 
@@ -364,7 +378,7 @@ class SceneJsonReader : public JsonReader {
   }
 
   Scene& scene_;
-  std::vector<NamedBody> names_;
+  std::vector<NamedElement> names_;
   std::vector<WorldAnchor> anchors_;
   bool locates_by_restitution_ = false;  // `"locate_impacts": "auto"`
 };

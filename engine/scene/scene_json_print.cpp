@@ -137,7 +137,9 @@ class Printer {
           [&](const auto& field, const auto& value, const auto& default_value) {
             if (field.own != entry.field) return;
             if (field.is_body)
-              add_body(entry.key, value);
+              add_index(scene_.bodies, entry.key, value);
+            else if (field.is_joint)
+              add_index(scene_.joints, entry.key, value);
             else if (all || entry.required || !same_bits(value, default_value))
               add(entry.key, value);
           },
@@ -150,15 +152,18 @@ class Printer {
     const bool has_name = index < elements.size() && !elements[index].name.empty();
     return has_name ? in_quotes(elements[index].name) : std::to_string(index);
   }
-  void add_body(std::string_view name, std::uint32_t body) {
+  template <typename Element>
+  void add_index(const std::vector<Element>& elements, std::string_view name, std::uint32_t index) {
     key(name);
-    text_ += name_or_index(scene_.bodies, body);
+    text_ += name_or_index(elements, index);
   }
-  void add_body(std::string_view name, const std::optional<std::uint32_t>& body) {
-    if (body) add_body(name, *body);
+  template <typename Element>
+  void add_index(const std::vector<Element>& elements, std::string_view name,
+                 const std::optional<std::uint32_t>& index) {
+    if (index) add_index(elements, name, *index);
   }
-  template <typename Value>
-  void add_body(std::string_view, const Value&) {}  // never called: the value is no index
+  template <typename Element, typename Value>
+  void add_index(const std::vector<Element>&, std::string_view, const Value&) {}  // never called: the value is no index
 
   // ---- Values ----
 

@@ -161,6 +161,8 @@ class SceneRules {
   bool check_joint(const Joint& joint);
   bool check_body_index(const char* key, std::uint32_t index);
   bool check_joint_bodies(const Joint& joint);
+  /// Checks the two joints of a gear, and its ratio.
+  bool check_gear(const Joint& joint);
   bool check_axis(const Point& axis);
   bool check_length(const Joint& joint, FieldRange range);
   bool check_limits(const Joint& joint);

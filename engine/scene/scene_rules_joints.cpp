@@ -21,7 +21,8 @@ bool SceneRules::check_joint(const Joint& joint) {
   return check_own_fields(joint, info_of(joint_kinds, joint.kind), "a ", " joint",
                           [&](const auto& field, std::string_view key, const auto& value, FieldRange range) {
                             if (field.own == JointField::body_b) return check_joint_bodies(joint);
-                            if (field.is_body) return true;  // checked above
+                            if (field.own == JointField::joint_b) return check_gear(joint);
+                            if (field.is_body || field.is_joint) return true;  // checked with the field above
                             if (field.own == JointField::length) return check_length(joint, range);
                             if (field.own == JointField::limits) return !joint.limits || check_limits(joint);
                             return check_value(key, value, range, field.hint) &&
@@ -50,6 +51,29 @@ bool SceneRules::check_joint_bodies(const Joint& joint) {
          refuse("body_b", "one of the two bodies must be dynamic: found a " +
                               std::string(info_of(body_types, type_a).name) + " and a " +
                               std::string(info_of(body_types, type_b).name) + " body");
+}
+
+bool SceneRules::check_gear(const Joint& joint) {
+  constexpr double ratio_least = 1e-3;
+  for (const auto& [key, index] : {std::pair{"joint_a", joint.joint_a}, std::pair{"joint_b", joint.joint_b}}) {
+    if (index >= item_index_)
+      return refuse(key,
+                    "no joint before this one has this index: found " + std::to_string(index) + ", expected " +
+                        (item_index_ == 0 ? "none: it is the first joint" : "0.." + std::to_string(item_index_ - 1)),
+                    "list a gear after its two joints");
+    const JointKindInfo& kind = info_of(joint_kinds, scene_.joints[index].kind);
+    if (!kind.traits.has_coordinate)
+      return refuse(key, "must be a revolute or prismatic joint: found a " + std::string(kind.name) + " joint");
+  }
+  if (joint.joint_a == joint.joint_b)
+    return refuse("joint_b", "couples a joint with itself: found joint " + std::to_string(joint.joint_b) + " twice");
+  const std::uint32_t body = scene_.joints[joint.joint_b].body_b;
+  if (scene_.joints[joint.joint_a].body_b == body)
+    return refuse("joint_b", "the two joints have the same body_b: found body " + std::to_string(body) + " twice",
+                  "exchange body_a and body_b of one of the joints, with its anchors; its coordinate changes the sign");
+  return joint.ratio >= ratio_least || joint.ratio <= -ratio_least ||
+         refuse("ratio",
+                "out of range: found " + number_text(joint.ratio) + ", expected at most -0.001 or at least 0.001");
 }
 
 bool SceneRules::check_axis(const Point& axis) {

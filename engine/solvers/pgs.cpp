@@ -14,6 +14,7 @@ namespace ticktrue::engine::TICKTRUE_PRECISION {
 void solve_pgs(const Model& model, State& state, TickLists& tick, SolverWork& work, Real dt) {
   ContactBatches& contacts = work.contacts.batches;
   JointWorkspace& joints = work.joints;
+  std::vector<GearJoint>& gears = work.gears;
   std::vector<MouseJoint>& mouse_joints = work.mouse_joints;
   prepare_bodies(model, state, tick, work.bodies);
   begin_motion(state, work.motion);
@@ -25,6 +26,7 @@ void solve_pgs(const Model& model, State& state, TickLists& tick, SolverWork& wo
     prepare_mouse_joints(solved, mouse_joints);
     plan_joints(solved, false, {}, joints);
     prepare_joints(solved, joints);
+    prepare_gears(solved, gears);
     solved.set.stiffness = baumgarte_contacts(dt);
     color_contacts(solved, false, work.contacts);
     prepare_contacts(solved, work.contacts.colors, contacts);
@@ -34,10 +36,12 @@ void solve_pgs(const Model& model, State& state, TickLists& tick, SolverWork& wo
     scheme.predict(solved, work.motion, dt);
     apply_impacts(solved, tick.impacts, work.motion.drift, work.impacts);
     warm_start_joints(solved, joints);
+    warm_start_gears(solved, gears);
     warm_start_mouse_joints(mouse_joints, work.bodies);
     warm_start_contacts(solved, contacts);
     for (int iteration = 0; iteration < model.scene.settings.iterations; ++iteration) {
       solve_joints(solved, joints, Bias::on);
+      solve_gears(solved, gears, Bias::on);
       solve_mouse_joints(mouse_joints, work.bodies);
       solve_contacts(solved, contacts);
     }
@@ -46,6 +50,7 @@ void solve_pgs(const Model& model, State& state, TickLists& tick, SolverWork& wo
     store_contacts(solved, contacts, state);
     store_mouse_joints(mouse_joints, state, dt);
     store_joints(solved, joints, state);
+    store_gears(solved, gears, state);
   }
   store_bodies(work.bodies, tick, state);
   store_motion(work.motion, state);

@@ -10,6 +10,7 @@
 #include "engine/integrators/free_bodies.h"
 #include "engine/integrators/motion_rows.h"
 #include "engine/joints/direct/direct_set.h"
+#include "engine/joints/gears/gear_joints.h"
 #include "engine/joints/joint_passes.h"
 #include "engine/joints/mouse_joint.h"
 #include "engine/model/bodies.h"
@@ -24,6 +25,7 @@ struct SolverWork {
   ContactWorkspace contacts;
   JointWorkspace joints;
   DirectWorkspace direct;
+  std::vector<GearJoint> gears;
   std::vector<MouseJoint> mouse_joints;
   ImpactWorkspace impacts;
   ShockWorkspace shock;
@@ -31,8 +33,8 @@ struct SolverWork {
 
 template <typename Visit>
 void list_fields(SolverWork& of, const Visit& visit) {
-  auto& [bodies, motion, free_bodies, contacts, joints, direct, mouse_joints, impacts, shock] = of;
-  visit(bodies, motion, free_bodies, contacts, joints, direct, mouse_joints, impacts, shock);
+  auto& [bodies, motion, free_bodies, contacts, joints, direct, gears, mouse_joints, impacts, shock] = of;
+  visit(bodies, motion, free_bodies, contacts, joints, direct, gears, mouse_joints, impacts, shock);
 }
 
 }  // namespace ticktrue::engine::TICKTRUE_PRECISION

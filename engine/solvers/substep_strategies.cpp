@@ -43,7 +43,7 @@ std::uint32_t joint_iterations_of(const SolvedSet& solved) {
 }  // namespace
 
 SubstepStrategy plan_substeps(const SolvedSet& solved, bool some_are_free, SolverWork& work) {
-  const bool only_joints = is_left_to_joints(solved, work.mouse_joints);
+  const bool only_joints = is_left_to_joints(solved, work.mouse_joints) && solved.state.gears.empty();
   solved.set.joint_iterations = joint_iterations_of(solved);
   plan_joints(solved, only_joints, work.direct.components.direct_joints(), work.joints);
   color_contacts(solved, !some_are_free && allows_blocks(solved), work.contacts);

@@ -12,7 +12,7 @@
 namespace ticktrue::engine::TICKTRUE_PRECISION {
 
 void solve_in_turn(SolvedSet& solved, TickLists& tick, SolverWork& work, State& state) {
-  auto& [bodies, motion, free_bodies, contact_work, joints, direct, mouse_joints, impacts, shock] = work;
+  auto& [bodies, motion, free_bodies, contact_work, joints, direct, gears, mouse_joints, impacts, shock] = work;
   const Integrator& scheme = integrator(solved.model.scene.settings.integrator);
   const SolverSet& set = solved.set;
   ContactBatches& contacts = contact_work.batches;
@@ -26,11 +26,15 @@ void solve_in_turn(SolvedSet& solved, TickLists& tick, SolverWork& work, State& 
     begin_resting_impacts(solved, tick.resting_impacts, contacts);
     warm_start_joints(solved, joints);
     start_direct(solved, motion, direct);
+    warm_start_gears(solved, gears);
     warm_start_mouse_joints(mouse_joints, bodies);
     warm_start_contacts(solved, contacts);
     for (int turn = 0; turn < direct.turn_count; ++turn) {  // one, unless something acts on bodies of direct joints
       if (direct.turn_count > 1) solve_direct(solved, motion, direct);
-      for (std::uint32_t i = 0; i < set.joint_iterations; ++i) solve_joints(solved, joints, Bias::on);
+      for (std::uint32_t i = 0; i < set.joint_iterations; ++i) {
+        solve_joints(solved, joints, Bias::on);
+        solve_gears(solved, gears, Bias::on);
+      }
       solve_mouse_joints(mouse_joints, bodies);
       solve_contacts(solved, contacts);
     }
@@ -43,6 +47,7 @@ void solve_in_turn(SolvedSet& solved, TickLists& tick, SolverWork& work, State& 
     for (int turn = 0; turn < direct.turn_count; ++turn) {
       if (turn > 0) project_direct(solved, direct);
       solve_joints(solved, joints, Bias::off);
+      solve_gears(solved, gears, Bias::off);
       relax_contacts(solved, contacts);
     }
     if (!(settled > 0)) settled = settled_speed(solved);
@@ -68,11 +73,13 @@ void solve_tgs_soft(const Model& model, State& state, TickLists& tick, SolverWor
     prepare_mouse_joints(solved, work.mouse_joints);
     const SubstepStrategy solve_substeps = plan_substeps(solved, some_are_free, work);
     prepare_joints(solved, work.joints);
+    prepare_gears(solved, work.gears);
     prepare_direct(solved, work.joints.plan, work.mouse_joints, work.motion, work.direct);
     integrator(model.scene.settings.integrator).begin(solved, work.motion, h);
     solve_substeps(solved, tick, work, state);
     store_mouse_joints(work.mouse_joints, state, h);  // forces, since the next tick may have another h
     store_joints(solved, work.joints, state);
+    store_gears(solved, work.gears, state);
     store_direct(solved, work.direct, state);
   }
   store_bodies(work.bodies, tick, state);

@@ -11,7 +11,7 @@ void cull(const Model& model, State& state, TickLists& tick, Real) {
     if (model.bodies[body.source].type == BodyType::static_body) continue;
     const bool inside = body.position.x >= model.bounds.lower.x && body.position.x <= model.bounds.upper.x &&
                         body.position.y >= model.bounds.lower.y && body.position.y <= model.bounds.upper.y;
-    if (!inside) remove_body(state, tick, row);
+    if (!inside) remove_body(model, state, tick, row);
   }
 }
 

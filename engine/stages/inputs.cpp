@@ -14,9 +14,8 @@ Vec2 to_vec2(double x, double y) {
   return {to_real(x), to_real(y)};
 }
 
-void wake_joint(State& state, const JointRow& joint) {
-  if (joint.body_a != no_reference) state.wake(state.find_body(joint.body_a));
-  state.wake(state.find_body(joint.body_b));
+void wake_joint(const Model& model, State& state, const JointRow& joint) {
+  for_each_body(model, model.joints[joint.joint], [&](std::uint32_t id) { state.wake(state.find_body(id)); });
 }
 
 template <typename Vector, typename Predicate>
@@ -25,6 +24,25 @@ void erase_where(Vector& rows, Predicate predicate) {
   for (std::size_t i = 0; i < rows.size(); ++i)
     if (!predicate(rows[i])) rows[count++] = rows[i];
   rows.resize(count);
+}
+
+bool joins_body(const Model& model, const JointRow& joint, std::uint32_t id) {
+  bool found = false;
+  for_each_body(model, model.joints[joint.joint], [&](std::uint32_t own) { found = found || own == id; });
+  return found;
+}
+
+/// Removes the joints of a body, and gears of these joints, since a gear has all their bodies.
+void remove_joints(const Model& model, State& state, std::uint32_t body) {
+  std::size_t gear = 0;
+  std::size_t gear_count = 0;
+  for (const JointRow& joint : state.joints) {
+    if (model.joints[joint.joint].gear == no_gear) continue;
+    if (!joins_body(model, joint, body)) state.gears[gear_count++] = state.gears[gear];
+    ++gear;
+  }
+  state.gears.resize(gear_count);
+  erase_where(state.joints, [&](const JointRow& joint) { return joins_body(model, joint, body); });
 }
 
 /// Counts an input to something that was removed before.
@@ -52,7 +70,7 @@ void add_body(const Model& model, State& state, TickLists& tick, std::uint32_t p
         ++spawned;
         oldest = row;
       }
-    if (spawned >= *model.scene.spawned_max && spawned > 0) remove_body(state, tick, oldest);
+    if (spawned >= *model.scene.spawned_max && spawned > 0) remove_body(model, state, tick, oldest);
   }
   const std::uint32_t source = model.first_prototype + prototype;
   const BodyModel& constants = model.bodies[source];
@@ -83,8 +101,8 @@ void do_spawn(const Model& model, State& state, TickLists& tick, const Input& in
   add_body(model, state, tick, input.prototype, input);
 }
 
-void do_remove(const Model&, State& state, TickLists& tick, const Input& input) {
-  if (find(state, input) != nullptr) remove_body(state, tick, state.find_body(input.body));
+void do_remove(const Model& model, State& state, TickLists& tick, const Input& input) {
+  if (find(state, input) != nullptr) remove_body(model, state, tick, state.find_body(input.body));
 }
 
 void do_impulse(const Model& model, State& state, TickLists&, const Input& input) {
@@ -167,12 +185,12 @@ void do_drag(const Model&, State& state, TickLists&, const Input& input) {
     if (row.player == input.player) row.target = to_vec2(input.values[0], input.values[1]);
 }
 
-void do_set_motor(const Model&, State& state, TickLists&, const Input& input) {
+void do_set_motor(const Model& model, State& state, TickLists&, const Input& input) {
   for (JointRow& row : state.joints)
     if (row.joint == input.joint) {
       row.motor_speed = to_real(input.values[0]);
       row.motor_force_max = to_real(input.values[1]);
-      wake_joint(state, row);
+      wake_joint(model, state, row);
       return;
     }
   ignore(state);
@@ -201,14 +219,14 @@ constexpr std::array<InputFunction, input_kinds.size()> input_functions{{
 
 }  // namespace
 
-void remove_body(State& state, TickLists& tick, std::size_t row) {
+void remove_body(const Model& model, State& state, TickLists& tick, std::size_t row) {
   const std::uint32_t id = state.bodies[row].id;
   for (const ContactRow& contact : state.contacts) {
     if (contact.body_a == id) state.wake(state.find_body(contact.body_b));
     if (contact.body_b == id) state.wake(state.find_body(contact.body_a));
   }
   for (const JointRow& joint : state.joints)
-    if (joint.body_a == id || joint.body_b == id) wake_joint(state, joint);
+    if (joins_body(model, joint, id)) wake_joint(model, state, joint);
   erase_body_row(state, row);
   if (!tick.force.empty()) {
     tick.force.erase(tick.force.begin() + static_cast<std::ptrdiff_t>(row));
@@ -216,7 +234,7 @@ void remove_body(State& state, TickLists& tick, std::size_t row) {
   }
   erase_where(state.contacts, [id](const ContactRow& contact) { return contact.body_a == id || contact.body_b == id; });
   erase_where(state.pointers, [id](const PointerRow& pointer) { return pointer.body == id; });
-  erase_where(state.joints, [id](const JointRow& joint) { return joint.body_a == id || joint.body_b == id; });
+  remove_joints(model, state, id);
   // The ends of touches are events of this tick.
   const auto move_touches = [id](std::vector<TouchRow>& rows, std::vector<TouchRow>& removed) {
     const auto has_body = [id](const TouchRow& touch) { return touch.body_a == id || touch.body_b == id; };

@@ -13,8 +13,8 @@ void apply_inputs(const Model& model, State& state, TickLists& tick, Real dt);
 void cull(const Model& model, State& state, TickLists& tick, Real dt);
 void measure_idle_time(const Model& model, State& state, TickLists& tick, Real dt);
 
-/// Removes the row, its contacts, its joints and the pointers that hold it. The forces of this tick's inputs stay with
-/// their bodies.
-void remove_body(State& state, TickLists& tick, std::size_t row);
+/// Removes the row, its contacts, its joints, the gears of these joints, and the pointers that hold it. The forces of
+/// this tick's inputs stay with their bodies.
+void remove_body(const Model& model, State& state, TickLists& tick, std::size_t row);
 
 }  // namespace ticktrue::engine::TICKTRUE_PRECISION

@@ -202,6 +202,11 @@ Scene joined(JointKind kind, Point b) {
   if (kind == JointKind::motor || kind == JointKind::friction || kind == JointKind::target) joint.force_max = 1e24;
   if (kind == JointKind::motor || kind == JointKind::friction) joint.torque_max = 1e24;
   if (kind == JointKind::pulley) joint.ground_anchor_a = {0, 0}, joint.ground_anchor_b = {3, 2};
+  if (kind == JointKind::gear) {
+    scene.joints = {joint_of(JointKind::revolute, 0, 1), joint_of(JointKind::prismatic, 1, 0)};
+    joint.body_b = 0;
+    joint.joint_b = 1;
+  }
   scene.joints.push_back(joint);
   return scene;
 }

@@ -83,12 +83,32 @@ engine::Scene shape_playground(engine::Precision precision) {
   return scene;
 }
 
-/// The playground with a joint of every kind between its movable bodies, with limits, motors and springs.
+/// The scene with a gear between two of its joints, over four bodies. Jointed bodies with gears are solved by
+/// iteration.
+engine::Scene with_gear(engine::Scene scene) {
+  engine::Joint pin;
+  pin.kind = engine::JointKind::revolute;
+  pin.body_a = 7;
+  pin.body_b = 9;
+  pin.anchor_a = {0.8, 0};
+  pin.anchor_b = {-0.3, 0};
+  engine::Joint gear;
+  gear.kind = engine::JointKind::gear;
+  gear.joint_a = static_cast<std::uint32_t>(engine::JointKind::revolute);
+  gear.joint_b = static_cast<std::uint32_t>(scene.joints.size());
+  gear.ratio = 1.5;
+  scene.joints.push_back(pin);
+  scene.joints.push_back(gear);
+  return scene;
+}
+
+/// The playground with a joint of every kind but gears between its movable bodies, with limits, motors and springs.
 engine::Scene jointed_playground(engine::Precision precision) {
   engine::Scene scene = playground(engine::SolverKind::tgs_soft, precision);
   scene.name = "jointed playground";
   scene.inputs.push_back(engine::InputKind::set_motor);
   for (const engine::Choice<engine::JointKind>& info : engine::joint_kinds) {
+    if (info.kind == engine::JointKind::gear) continue;  // with_gear
     const auto number = static_cast<std::uint32_t>(info.kind);
     engine::Joint joint;
     joint.name = number % 2 == 0 ? std::string(info.name) : "";
@@ -371,12 +391,14 @@ std::vector<Session> property_sessions() {
     sessions.push_back({"playground forces " + suffix, forced, random_inputs(forced, 11, 400), {}});
     const engine::Scene jointed = jointed_playground(precision.kind);
     sessions.push_back({"jointed playground " + suffix, jointed, random_inputs(jointed, 11, 400), {}});
+    const engine::Scene geared = with_gear(jointed);
+    sessions.push_back({"geared playground " + suffix, geared, random_inputs(geared, 11, 400), {}});
     engine::Scene direct = jointed;
     direct.settings.joints = engine::JointSolverKind::direct;
     sessions.push_back({"direct joints " + suffix, direct, random_inputs(direct, 21, 400), {}});
     direct.settings.integrator = engine::IntegratorKind::velocity_verlet;
     sessions.push_back({"direct joints velocity_verlet " + suffix, direct, random_inputs(direct, 22, 400), {}});
-    engine::Scene iterated = jointed;
+    engine::Scene iterated = geared;
     iterated.settings.solver = engine::SolverKind::pgs;
     iterated.settings.substeps = 1;
     sessions.push_back({"jointed playground pgs " + suffix, iterated, random_inputs(iterated, 12, 400), {}});
@@ -384,13 +406,14 @@ std::vector<Session> property_sessions() {
     sleepy.settings.sleep = engine::SleepSettings{0.1, 0.2};
     sleepy.bodies[3].angular_velocity = 0;
     sessions.push_back({"sleepy shapes " + suffix, sleepy, sparse_inputs(sleepy, 13, 400, 23), {}});
-    engine::Scene nodding = jointed;
+    engine::Scene nodding = geared;
     nodding.settings.sleep = engine::SleepSettings{0.05, 0.5};
     nodding.settings.auto_substeps = engine::AutoSubsteps{0.01, 32};
     nodding.settings.substeps = 3;
     nodding.settings.events = true;
     nodding.bodies[3].angular_velocity = 0;
     sessions.push_back({"nodding joints " + suffix, nodding, sparse_inputs(nodding, 14, 400, 31), {}});
+    nodding.joints = jointed.joints;
     nodding.settings.joints = engine::JointSolverKind::direct;
     sessions.push_back({"nodding direct joints " + suffix, nodding, sparse_inputs(nodding, 23, 400, 31), {}});
     const engine::Scene heaps = merging_heaps(precision.kind);

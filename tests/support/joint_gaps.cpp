@@ -90,6 +90,8 @@ JointGap gap_of(const Joint& joint, const BodyReport& a, const BodyReport& b, do
     case JointKind::friction:
     case JointKind::target:
       break;  // constrains nothing, only applies a force
+    case JointKind::gear:
+      break;  // its coordinates are columns of the state
   }
   return out;
 }

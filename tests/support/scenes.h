@@ -196,11 +196,18 @@ inline Scene everything_scene() {
     Joint& joint = scene.joints.emplace_back();
     joint.kind = row.kind;
     joint.name = "the " + std::string(row.name);
+    if (row.kind == JointKind::gear) {
+      joint.joint_a = 0;
+      joint.joint_b = 1;
+      joint.ratio = -3;
+      joint.collide_connected = true;
+      continue;
+    }
     if (row.kind != JointKind::target) {
       joint.body_a = 1;
       joint.collide_connected = true;
     }
-    joint.body_b = 2;
+    joint.body_b = row.kind == JointKind::prismatic ? 3 : 2;
   }
   const auto joint = [&](JointKind kind) -> Joint& { return scene.joints[static_cast<std::size_t>(kind)]; };
   for (const JointKind kind :

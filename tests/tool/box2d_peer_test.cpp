@@ -341,6 +341,63 @@ TEST_CASE("pulleys of the peer are ours: Atwood machines, swings, a bar at its e
   CHECK(falling.ours[1].velocity.y == Approx(-10 * 5 / 60.0).epsilon(0.01));
 }
 
+TEST_CASE("gears of the peer are ours: pairs of discs, racks, and a removed body",
+          "[verifier][crosscheck][equivalence]") {
+  SKIP_UNLESS(has_box2d(), "a build without Box2D");
+  for (const double ratio : {1.0, -2.0, 0.5})
+    for (const bool is_rack : {false, true})
+      for (const bool is_first : {false, true}) {
+        CAPTURE(ratio, is_rack, is_first);
+        Scene scene = bar_scene(JointKind::revolute);  // a pendulum drives the gears
+        scene.bodies.push_back(body_of(box_shape(0.2, 0.2), {3, 0}));
+        scene.bodies[2].mass = engine::ExplicitMass{1, 0.3, {}};
+        Joint other = joint_of(is_rack ? JointKind::prismatic : JointKind::revolute, 0, 2);
+        other.anchor_a = {3, 0};
+        if (is_rack) other.axis = {1, 0};
+        scene.joints.push_back(other);
+        Joint gear;
+        gear.kind = JointKind::gear;
+        gear.joint_a = is_first ? 0 : 1;
+        gear.joint_b = is_first ? 1 : 0;
+        gear.ratio = ratio;
+        scene.joints.push_back(gear);
+        const Both both = run_both(scene, 1.5);
+        check_same(both, 0.02);
+        CHECK(std::fabs(is_rack ? both.ours[2].center.x - 3 : both.ours[2].angle) > 0.05);
+      }
+  // The bar swings out of the bounds and takes its pin and the gear along. The other disc turns on.
+  Scene leaving = bar_scene(JointKind::revolute);
+  leaving.bodies.push_back(body_of(box_shape(0.2, 0.2), {3, 0}));
+  leaving.joints.push_back(joint_of(JointKind::revolute, 0, 2));
+  leaving.joints[1].anchor_a = {3, 0};
+  Joint gear;
+  gear.kind = JointKind::gear;
+  gear.joint_b = 1;
+  leaving.joints.push_back(gear);
+  leaving.bounds = engine::Bounds{{-5, -0.3}, {5, 5}};
+  const Both left = run_both(leaving, 1);
+  REQUIRE(left.ours.size() == 2);
+  REQUIRE(left.box2d.size() == 2);
+  CHECK(left.box2d[1].angular_velocity == Approx(left.ours[1].angular_velocity).epsilon(0.05));
+  CHECK(std::fabs(left.ours[1].angular_velocity) > 1);
+}
+
+TEST_CASE("the peer refuses gears whose joints share a moving body", "[verifier][crosscheck][analytic]") {
+  SKIP_UNLESS(has_box2d(), "a build without Box2D");
+  Scene scene = bar_scene(JointKind::revolute);
+  scene.bodies.push_back(body_of(box_shape(0.2, 0.2), {1, 0}));
+  scene.joints.push_back(joint_of(JointKind::revolute, 1, 2));
+  scene.joints[1].anchor_a = {0.5, 0};
+  Joint gear;
+  gear.kind = JointKind::gear;
+  gear.joint_b = 1;
+  scene.joints.push_back(gear);
+  const auto peer = verifier::make_box2d_peer(scene, {});
+  REQUIRE_FALSE(peer.has_value());
+  CHECK(peer.error().message.find("/joints/2: Box2D 2.4.1 has no gears whose joints share a moving body") !=
+        std::string::npos);
+}
+
 TEST_CASE("the peer refuses joints that Box2D 2.4.1 does not have, and forces", "[verifier][crosscheck][analytic]") {
   SKIP_UNLESS(has_box2d(), "a build without Box2D");
   using Catch::Matchers::Contains;

@@ -143,6 +143,22 @@ TEST_CASE("a joint is drawn from anchor to anchor, a pulley over its ground anch
   }
 }
 
+TEST_CASE("a gear is shown between the anchors of its two turning bodies", "[verifier][drawing][analytic]") {
+  Scene scene = empty_scene();
+  scene.bodies = {peg({0, 0}), bob({1, 0}), bob({3, 0})};
+  scene.joints = {joint_of(JointKind::revolute, 0, 1), joint_of(JointKind::prismatic, 0, 2),
+                  joint_of(JointKind::gear, 0, 0)};
+  scene.joints[0].anchor_b = {-1, 2};
+  scene.joints[1].anchor_b = {4, 5};
+  scene.joints[2].joint_b = 1;
+  const Joint shown = verifier::shown_joint(scene, scene.joints[2]);
+  CHECK(shown.body_a == 1);
+  CHECK(shown.anchor_a == Point{-1, 2});
+  CHECK(shown.body_b == 2);
+  CHECK(shown.anchor_b == Point{4, 5});
+  CHECK(verifier::shown_joint(scene, scene.joints[1]) == scene.joints[1]);
+}
+
 TEST_CASE("the gap of a joint is what its rigid rows hold", "[verifier][drawing][analytic]") {
   const verifier::JointPlaces places{{0, 0}, {3, 4}, {2, 0}};
   const auto gap = [&](JointKind kind, auto change) {
@@ -158,7 +174,7 @@ TEST_CASE("the gap of a joint is what its rigid rows hold", "[verifier][drawing]
   CHECK(gap(JointKind::weld, [](Joint& j) { j.linear_spring = absolute_spring(1); }) == 0);
   CHECK(gap(JointKind::distance, [](Joint& j) { j.length = 4; }) == Approx(1));
   CHECK(gap(JointKind::distance, [](Joint& j) { j.limits = engine::Range{0, 1}; }) == 0);
-  for (const JointKind kind : {JointKind::motor, JointKind::friction, JointKind::target})
+  for (const JointKind kind : {JointKind::motor, JointKind::friction, JointKind::target, JointKind::gear})
     CHECK(gap(kind, as_it_is) == 0);
   const auto rope = [](Joint& j) {
     j.ground_anchor_a = {0, 6};

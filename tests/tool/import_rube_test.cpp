@@ -344,8 +344,45 @@ TEST_CASE("joints of every kind keep limits, motors and springs", "[verifier][im
   CHECK(mouse.spring->damping == Approx(20 * engine::pi * mass));
 }
 
+TEST_CASE("a gear couples two joints of the file, in any order", "[verifier][import_rube]") {
+  const auto file = [](const std::string& gear, const std::string& second) {
+    const std::string bodies = R"({"name":"ground","type":0,)" + disc + R"(},{"name":"a","type":2,)" + disc +
+                               R"(},{"name":"b","type":2,)" + disc + "}";
+    return imported(world_of(bodies, R"({"name":"g","type":"gear","bodyA":1,"bodyB":2,)" + gear + R"(},)" +
+                                         R"({"name":"rope","type":"rope","bodyA":1,"bodyB":2,"maxLength":9},)" +
+                                         R"({"name":"p","type":"revolute","bodyA":0,"bodyB":1},)" +
+                                         R"({"name":"q","bodyA":0,"bodyB":2,)" + second + "}"));
+  };
+  const std::string slider = R"("type":"prismatic","localAxisA":{"x":0,"y":1})";
+  const RubeImport good = file(R"("joint1":2,"joint2":3,"ratio":-2,"collideConnected":true)", slider);
+  CHECK(good.notes.empty());
+  REQUIRE(good.scene.joints.size() == 4);
+  const Joint& gear = good.scene.joints[3];  // after its joints
+  CHECK(gear.kind == JointKind::gear);
+  CHECK(gear.name == "g");
+  CHECK(good.scene.joints[gear.joint_a].name == "p");
+  CHECK(good.scene.joints[gear.joint_b].name == "q");
+  CHECK(gear.ratio == -2);
+  CHECK(gear.collide_connected);
+  CHECK(engine::check_scene(good.scene, "s").has_value());
+  CHECK(file(R"("joint1":2,"joint2":3)", slider).scene.joints[3].ratio == 1);
+
+  const auto note_of = [&](const std::string& gear_text, const std::string& second) {
+    const RubeImport import = file(gear_text, second);
+    CHECK(engine::check_scene(import.scene, "s").has_value());
+    return import.notes.empty() ? "" : import.notes[0];
+  };
+  const std::string begin = "not imported: joint[0] \"g\": gear, ";
+  CHECK(note_of(R"("joint1":2,"joint2":1)", slider) == begin + "a joint of which is neither revolute nor prismatic");
+  CHECK(note_of(R"("joint1":2,"joint2":0)", slider) == begin + "a joint of which was not imported");
+  CHECK(note_of(R"("joint1":2,"joint2":2)", slider) == begin + "both joints of which have the same bodyB");
+  CHECK(note_of(R"("joint1":2,"joint2":3,"ratio":0)", slider) == begin + "the ratio of which is 0 or extreme");
+  CHECK(note_of(R"("joint1":2)", slider) == begin + "which names no joint2");
+}
+
 TEST_CASE("what is not imported is listed by name", "[verifier][import_rube]") {
-  CHECK(joined(R"("type":"gear","ratio":2)").notes == std::vector<std::string>{"not imported: joint[0] \"j\": gear"});
+  CHECK(joined(R"("type":"gear","ratio":2)").notes ==
+        std::vector<std::string>{"not imported: joint[0] \"j\": gear, which names no joint1"});
   CHECK(joined(R"("type":"gear","ratio":2)").scene.joints.empty());
   CHECK(joined(R"("type":"motor","correctionSpeed":0.3)").notes ==
         std::vector<std::string>{"not imported: joint key \"correctionSpeed\""});

@@ -85,6 +85,7 @@ struct Making {
   float dt;
   b2World& world;
   Pair pair;
+  const std::vector<b2Joint*>& earlier;  // [joint of the scene]
 
   float length(double meters) const { return static_cast<float>(meters * units.scale); }
   float force(double newton) const { return static_cast<float>(newton * units.scale); }
@@ -109,7 +110,8 @@ struct Making {
   b2Joint* attach(b2JointDef& definition) const {
     definition.bodyA = pair.a;
     definition.bodyB = pair.b;
-    definition.collideConnected = joint.collide_connected || !engine::has_body_a(joint.kind);
+    const bool to_world = !engine::has_body_a(joint.kind) && !engine::joins_joints(joint.kind);
+    definition.collideConnected = joint.collide_connected || to_world;
     return world.CreateJoint(&definition);
   }
 };
@@ -301,6 +303,33 @@ b2Joint* make_pulley(const Making& making) {
   return making.attach(definition);
 }
 
+// ---- Gear ----
+
+// Box2D 2.4.1 loads the velocities of the four bodies, and stores the velocity of a body that comes twice only once.
+const char* refuse_gear(const b2Joint* first, const b2Joint* second) {
+  const b2Body* bodies[2][2] = {{const_cast<b2Joint*>(first)->GetBodyA(), const_cast<b2Joint*>(first)->GetBodyB()},
+                                {const_cast<b2Joint*>(second)->GetBodyA(), const_cast<b2Joint*>(second)->GetBodyB()}};
+  for (const b2Body* a : bodies[0])
+    for (const b2Body* b : bodies[1])
+      if (a == b && a->GetType() == b2_dynamicBody) return "Box2D 2.4.1 has no gears whose joints share a moving body";
+  return nullptr;
+}
+
+b2Joint* make_gear(const Making& making) {
+  const engine::Joint& joint = making.joint;
+  b2GearJointDef definition;
+  definition.joint1 = making.earlier[joint.joint_a];
+  definition.joint2 = making.earlier[joint.joint_b];
+  // The ratio of a length and an angle has the unit of length.
+  double ratio = joint.ratio;
+  const bool is_length_a = definition.joint1->GetType() == e_prismaticJoint;
+  const bool is_length_b = definition.joint2->GetType() == e_prismaticJoint;
+  if (is_length_a && !is_length_b) ratio *= making.units.scale;
+  if (!is_length_a && is_length_b) ratio /= making.units.scale;
+  definition.ratio = static_cast<float>(ratio);
+  return making.attach(definition);
+}
+
 // ---- The kinds ----
 
 struct PeerJoint {
@@ -320,6 +349,7 @@ constexpr std::array<PeerJoint, engine::joint_kinds.size()> peer_joints{{
     {JointKind::friction, knows_all, make_friction},
     {JointKind::target, refuse_target, make_target},
     {JointKind::pulley, knows_all, make_pulley},
+    {JointKind::gear, knows_all, make_gear},
 }};
 static_assert(engine::rows_are_in_order(peer_joints));
 
@@ -343,19 +373,38 @@ void Box2dJoints::forget(const b2Body* body) {
     return soft_joint.joint->GetBodyA() == body || soft_joint.joint->GetBodyB() == body;
   };
   soft_joints_.erase(std::remove_if(soft_joints_.begin(), soft_joints_.end(), is_gone), soft_joints_.end());
+  const auto loses_body = [body](b2GearJoint* gear) {
+    for (b2Joint* part : {gear->GetJoint1(), gear->GetJoint2()})
+      if (part->GetBodyA() == body || part->GetBodyB() == body) return true;
+    return false;
+  };
+  const auto destroys = [&](b2GearJoint* gear) {
+    const bool is_lost = loses_body(gear);
+    if (is_lost) world_.DestroyJoint(gear);
+    return is_lost;
+  };
+  gears_.erase(std::remove_if(gears_.begin(), gears_.end(), destroys), gears_.end());
 }
 
 Status Box2dJoints::add(const engine::Joint& joint, b2Body* a, b2Body* b, const std::string& place) {
   const PeerJoint& kind = info_of(peer_joints, joint.kind);
   const char* refusal = refuse_damper(joint);
   if (refusal == nullptr) refusal = kind.refusal(joint, units_);
+  const bool is_gear = engine::joins_joints(joint.kind);
+  if (is_gear) {
+    a = made_[joint.joint_a]->GetBodyB();
+    b = made_[joint.joint_b]->GetBodyB();
+    if (refusal == nullptr) refusal = refuse_gear(made_[joint.joint_a], made_[joint.joint_b]);
+  }
   if (refusal != nullptr) return Error{ErrorCode::unsupported, fmt::format("{}: {}", place, refusal), {}};
-  const bool to_world = !engine::has_body_a(joint.kind);
+  const bool to_world = !is_gear && !engine::has_body_a(joint.kind);
   if (to_world && !anchorage_) {
     const b2BodyDef definition;
     anchorage_ = world_.CreateBody(&definition);
   }
-  b2Joint* made = kind.make({joint, units_, dt_, world_, {to_world ? anchorage_ : a, b}});
+  b2Joint* made = kind.make({joint, units_, dt_, world_, {to_world ? anchorage_ : a, b}, made_});
+  made_.push_back(made);
+  if (is_gear) gears_.push_back(static_cast<b2GearJoint*>(made));
   if (joint.spring && kind.stiffen != nullptr) soft_joints_.push_back({made, &joint});
   return {};
 }

@@ -19,15 +19,16 @@ class Box2dJoints {
   /// `dt`: length of a step, s. Requires: the world outlives this object.
   Box2dJoints(b2World& world, const Box2dUnits& units, float dt) : world_(world), units_(units), dt_(dt) {}
 
-  /// `a`: body A, if the joint has one. Requires: `joint` outlives this object. Errors begin with `place`. Errors:
-  /// unsupported, for a joint that Box2D 2.4.1 cannot represent.
+  /// `a`: body A, if the joint has one; `b`: body B; both are not used for a gear. Requires: `joint` outlives this
+  /// object; joints come in the order of the scene. Errors begin with `place`. Errors: unsupported, for a joint that
+  /// Box2D 2.4.1 cannot represent.
   Status add(const engine::Joint& joint, b2Body* a, b2Body* b, const std::string& place);
 
   /// Call before a step. The stiffness of a spring given in hertz follows the effective mass, which changes as the
   /// bodies rotate.
   void set_stiffness() const;
 
-  /// Call before a body and its joints are destroyed.
+  /// Call before a body and its joints are destroyed. Destroys the gears of these joints.
   void forget(const b2Body* body);
 
   /// Whether the world has an extra static body, which holds joints between a body and the world.
@@ -42,7 +43,9 @@ class Box2dJoints {
   Box2dUnits units_;
   float dt_;
   std::vector<SoftJoint> soft_joints_;
-  b2Body* anchorage_ = nullptr;  // made when first needed
+  std::vector<b2Joint*> made_;       // [joint of the scene]
+  std::vector<b2GearJoint*> gears_;  // that exist
+  b2Body* anchorage_ = nullptr;      // made when first needed
 };
 
 }  // namespace ticktrue::verifier

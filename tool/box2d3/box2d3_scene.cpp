@@ -248,6 +248,9 @@ const char* no_target_joint(const engine::Joint&, double, JointJson&) {
 const char* no_pulley_joint(const engine::Joint&, double, JointJson&) {
   return "Box2D 3 has no pulley joints";
 }
+const char* no_gear_joint(const engine::Joint&, double, JointJson&) {
+  return "Box2D 3 has no gear joints";
+}
 
 struct Box2d3Joint {
   JointKind kind;
@@ -263,6 +266,7 @@ constexpr std::array<Box2d3Joint, engine::joint_kinds.size()> box2d3_joints{{
     {JointKind::friction, no_friction_joint},
     {JointKind::target, no_target_joint},
     {JointKind::pulley, no_pulley_joint},
+    {JointKind::gear, no_gear_joint},
 }};
 static_assert(engine::rows_are_in_order(box2d3_joints));
 

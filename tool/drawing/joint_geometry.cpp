@@ -66,10 +66,23 @@ constexpr std::array<JointGeometry, engine::joint_kinds.size()> table{{
     {JointKind::friction, nothing, one_line},
     {JointKind::target, nothing, one_line},
     {JointKind::pulley, of_pulley, over_the_ground_anchors},
+    {JointKind::gear, nothing, one_line},
 }};
 static_assert(engine::rows_are_in_order(table));
 
 }  // namespace
+
+Joint shown_joint(const engine::Scene& scene, const Joint& joint) {
+  Joint shown = joint;
+  if (!engine::joins_joints(joint.kind)) return shown;
+  const Joint& first = scene.joints[joint.joint_a];
+  const Joint& second = scene.joints[joint.joint_b];
+  shown.body_a = first.body_b;
+  shown.anchor_a = first.anchor_b;
+  shown.body_b = second.body_b;
+  shown.anchor_b = second.anchor_b;
+  return shown;
+}
 
 double joint_gap(const Joint& joint, const JointPlaces& places) {
   return info_of(table, joint.kind).gap(joint, places);

@@ -21,7 +21,12 @@ struct JointLines {
   std::array<std::array<engine::Point, 2>, 3> lines;
 };
 
-/// The position error of a joint, m: the distance from its rigid constraints, without limits and angles.
+/// The joint with the bodies and anchors between which a picture shows it: for a gear, body B and B's anchor of each of
+/// its joints. Requires: a joint of the scene.
+engine::Joint shown_joint(const engine::Scene& scene, const engine::Joint& joint);
+
+/// The position error of a joint, m: the distance from its rigid constraints, without limits and angles; 0 for a
+/// gear.
 double joint_gap(const engine::Joint& joint, const JointPlaces& places);
 
 /// The lines that a picture draws between the anchors of a joint.

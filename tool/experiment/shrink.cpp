@@ -217,12 +217,13 @@ SoakCase with_bodies(const SoakCase& soak_case, const Indices& remaining) {
   scene.bodies = select(scene.bodies, remaining);
   Indices joints;
   for (std::size_t i = 0; i < scene.joints.size(); ++i) {
-    const engine::Joint& joint = scene.joints[i];
-    const bool has_a = !engine::has_body_a(joint.kind) || to[joint.body_a] != gone;
-    if (has_a && to[joint.body_b] != gone) joints.push_back(i);
+    bool keeps = true;
+    engine::for_each_body(scene, scene.joints[i], [&](std::uint32_t body) { keeps = keeps && to[body] != gone; });
+    if (keeps) joints.push_back(i);
   }
   some = with_joints(some, joints);
   for (engine::Joint& joint : scene.joints) {
+    if (engine::joins_joints(joint.kind)) continue;
     if (engine::has_body_a(joint.kind)) joint.body_a = to[joint.body_a];
     joint.body_b = to[joint.body_b];
   }
@@ -243,11 +244,12 @@ SoakCase with_bodies(const SoakCase& soak_case, const Indices& remaining) {
 
 SoakCase with_joints(const SoakCase& soak_case, const Indices& remaining) {
   SoakCase some = soak_case;
-  const auto to = renumbering(soak_case.scene.joints.size(), remaining);
-  some.scene.joints = select(soak_case.scene.joints, remaining);
+  std::vector<std::uint8_t> is_kept(soak_case.scene.joints.size(), 0);
+  for (const std::size_t i : remaining) is_kept[i] = 1;
+  const std::vector<std::uint32_t> to = keep_joints(some.scene, is_kept);
   const auto is_of_joint = [](const Input& input) { return info_of(engine::input_kinds, input.kind).has_joint; };
   std::erase_if(some.inputs, [&](const Input& input) {
-    return is_of_joint(input) && (input.joint >= to.size() || to[input.joint] == gone);
+    return is_of_joint(input) && (input.joint >= to.size() || to[input.joint] == engine::no_joint);
   });
   for (Input& input : some.inputs)
     if (is_of_joint(input)) input.joint = to[input.joint];

@@ -95,7 +95,9 @@ class Importer {
     each("body", limits::body_count_max, [&](const RubePlace& at) { read_body(at); });
     each("joint", limits::joint_count_max, [&](const RubePlace& at) { joint_names_.reserve(in_.name_of(at)); });
     each("joint", limits::joint_count_max,
-         [&](const RubePlace& at) { read_rube_joint(in_, at, body_ids_, joint_names_, scene_); });
+         [&](const RubePlace& at) { read_rube_joint(in_, at, body_ids_, joint_ids_, joint_names_, scene_); });
+    each("joint", limits::joint_count_max,
+         [&](const RubePlace& at) { read_rube_gear(in_, at, joint_ids_, joint_names_, scene_); });
     each("image", limits::body_count_max,
          [&](const RubePlace& at) { in_.note("not imported: " + RubeReader::label(at) + " (no physics)"); });
     if (in_.has_failed()) return *in_.error();
@@ -345,7 +347,8 @@ class Importer {
   engine::Scene scene_;
   RubeNames body_names_;
   RubeNames joint_names_;
-  RubeBodyIds body_ids_;
+  RubeIds body_ids_;
+  RubeIds joint_ids_;
 };
 
 }  // namespace

@@ -9,6 +9,7 @@
 #include "engine/json/number_text.h"
 #include "engine/math/trig.h"
 #include "engine/scene/hull.h"
+#include "engine/scene/joint_kinds.h"
 
 namespace ticktrue::verifier {
 namespace {
@@ -25,11 +26,13 @@ constexpr double default_correction = 0.3;  // share of a motor joint's error re
 
 class RubeJoint {
  public:
-  RubeJoint(RubeReader& in, const RubeBodyIds& body_ids, RubeNames& names, engine::Scene& scene)
-      : in_(in), body_ids_(body_ids), names_(names), scene_(scene) {}
+  RubeJoint(RubeReader& in, const RubeIds& body_ids, RubeIds& joint_ids, RubeNames& names, engine::Scene& scene)
+      : in_(in), body_ids_(body_ids), joint_ids_(joint_ids), names_(names), scene_(scene) {}
 
   void read(const RubePlace& at) {
+    joint_ids_.emplace_back();
     const std::string type = in_.text(at, "type");
+    if (type == "gear") return;
     Joint joint;
     const std::size_t body_count = body_ids_.size();
     for (const char* key : {"bodyA", "bodyB"})
@@ -40,7 +43,7 @@ class RubeJoint {
     const auto place_a = static_cast<std::size_t>(in_.whole(at, "bodyA", 0, last, 0));
     const auto place_b = static_cast<std::size_t>(in_.whole(at, "bodyB", 0, last, 0));
     if (in_.has_failed()) return;
-    if (type == "gear" || type == "pulley") return in_.note("not imported: " + RubeReader::label(at) + ": " + type);
+    if (type == "pulley") return in_.note("not imported: " + RubeReader::label(at) + ": " + type);
     const auto is_dynamic = [&](std::uint32_t body) { return scene_.bodies[body].type == BodyType::dynamic_body; };
     if (place_a == place_b)
       return in_.fail(ErrorCode::invalid_scene, at, "found body " + std::to_string(place_a) + " twice, expected two");
@@ -81,6 +84,7 @@ class RubeJoint {
       in_.fail(ErrorCode::invalid_scene, at, "found no \"type\"");
     if (in_.has_failed()) return;
     in_.count_ignored(at, "joint");
+    joint_ids_.back() = static_cast<std::uint32_t>(scene_.joints.size());
     scene_.joints.push_back(std::move(joint));
   }
 
@@ -201,16 +205,50 @@ class RubeJoint {
   }
 
   RubeReader& in_;
-  const RubeBodyIds& body_ids_;
+  const RubeIds& body_ids_;
+  RubeIds& joint_ids_;
   RubeNames& names_;
   engine::Scene& scene_;
 };
 
 }  // namespace
 
-void read_rube_joint(RubeReader& in, const RubePlace& at, const RubeBodyIds& body_ids, RubeNames& names,
+void read_rube_joint(RubeReader& in, const RubePlace& at, const RubeIds& body_ids, RubeIds& joint_ids, RubeNames& names,
                      engine::Scene& scene) {
-  RubeJoint(in, body_ids, names, scene).read(at);
+  RubeJoint(in, body_ids, joint_ids, names, scene).read(at);
+}
+
+void read_rube_gear(RubeReader& in, const RubePlace& at, const RubeIds& joint_ids, RubeNames& names,
+                    engine::Scene& scene) {
+  if (in.text(at, "type") != "gear") return;
+  const auto leave_out = [&](const std::string& why) {
+    in.note("not imported: " + RubeReader::label(at) + ": gear, " + why);
+  };
+  Joint gear;
+  gear.kind = JointKind::gear;
+  std::uint32_t* const parts[] = {&gear.joint_a, &gear.joint_b};
+  const char* const keys[] = {"joint1", "joint2"};
+  for (std::size_t i = 0; i < 2; ++i) {
+    if (!at.has(keys[i])) return leave_out("which names no " + std::string(keys[i]));
+    const auto last = static_cast<std::int64_t>(joint_ids.size()) - 1;
+    const auto place = static_cast<std::size_t>(in.whole(at, keys[i], 0, last, 0));
+    if (in.has_failed()) return;
+    if (!joint_ids[place]) return leave_out("a joint of which was not imported");
+    *parts[i] = *joint_ids[place];
+    if (!traits_of(scene.joints[*parts[i]].kind).has_coordinate)
+      return leave_out("a joint of which is neither revolute nor prismatic");
+  }
+  if (scene.joints[gear.joint_a].body_b == scene.joints[gear.joint_b].body_b)
+    return leave_out("both joints of which have the same bodyB");
+  gear.ratio = at.has("ratio") ? in.number(at, "ratio") : 1;
+  const double size = gear.ratio < 0 ? -gear.ratio : gear.ratio;
+  if (in.has_failed()) return;
+  if (!(size >= 1e-3 && size <= 1e3)) return leave_out("the ratio of which is 0 or extreme");
+  gear.name = names.take(in.name_of(at));
+  gear.collide_connected = in.flag(at, "collideConnected");
+  for (const char* key : {"bodyA", "bodyB", "anchorA", "anchorB", "jointSpeed"}) in.use(at, key);  // of its joints
+  in.count_ignored(at, "joint");
+  scene.joints.push_back(std::move(gear));
 }
 
 }  // namespace ticktrue::verifier

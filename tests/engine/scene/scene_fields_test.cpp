@@ -115,7 +115,7 @@ void check_schema_of_kinds(const json& schema, const Table& table, const std::st
       if (entry.key.empty()) break;
       visit_own_fields(
           [&](const auto& field, const auto& default_value) {
-            if (field.own != entry.field || field.is_body) return;
+            if (field.own != entry.field || field.is_body || field.is_joint) return;
             const std::string definition = std::string(row.name) + suffix;
             CAPTURE(definition, field.name);
             check_rule(rule_of(schema, definition, std::string(entry.key)), range_of(row, field.own, field.range),

@@ -124,6 +124,24 @@ TEST_CASE("joints and forces refer to bodies by index or name, wherever these st
              StartsWith("s.json: joints[0].body_a: must be a whole number in range: found -1"));
 }
 
+TEST_CASE("gears refer to joints by index or name", "[engine][scene_json][analytic]") {
+  const auto joints = [](const std::string& a, const std::string& b) {
+    return with_two_bodies("joints", R"({"type":"revolute","name":"pin","body_a":0,"body_b":1},)"
+                                     R"({"type":"prismatic","body_a":1,"body_b":0,"axis":[1,0]},)"
+                                     R"({"type":"gear","joint_a":)" +
+                                         a + R"(,"joint_b":)" + b + R"(,"ratio":-2})");
+  };
+  const auto scene = parse_scene(joints("\"pin\"", "1"), "s");
+  if (!scene) FAIL(scene.error().message);
+  CHECK(scene->joints[2].joint_a == 0);
+  CHECK(scene->joints[2].joint_b == 1);
+  CHECK_THAT(print_scene(*scene), Contains(R"("joint_a": "pin", "joint_b": 1, "ratio": -2)"));
+  CHECK(json_refusal(joints("0", "\"axle\"")) ==
+        "s.json: joints[2].joint_b: no joint of the scene has this name: found \"axle\", expected pin");
+  CHECK(json_refusal(joints("true", "0")) ==
+        "s.json: joints[2].joint_a: wrong type: found true, expected the index or the name of a joint");
+}
+
 TEST_CASE("an anchor in world coordinates becomes one in each body's frame", "[engine][scene_json][analytic]") {
   // Body a is at (1, 2) with an angle of 0.5 rad. The point (2, 2) is 1 m away, rotated back into the body's frame.
   const auto scene =
@@ -477,6 +495,8 @@ TEST_CASE("the JSON Schema and the parser know the same keys and names", "[engin
                                                    {"points", "[[0,0],[1,0]]"},
                                                    {"body_a", "0"},
                                                    {"body_b", "1"},
+                                                   {"joint_a", "0"},
+                                                   {"joint_b", "1"},
                                                    {"axis", "[1,0]"},
                                                    {"length", "1"},
                                                    {"ground_anchor_a", "[0,1]"},

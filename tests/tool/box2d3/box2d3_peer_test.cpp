@@ -261,6 +261,7 @@ TEST_CASE("Box2D 3 refuses what it lacks by name", "[verifier][crosscheck][box2d
   const auto as_is = [](Joint&) {};
   CHECK(joint_refusal(JointKind::revolute, as_is).empty());
   CHECK(joint_refusal(JointKind::pulley, as_is) == "stack: /joints/0: Box2D 3 has no pulley joints");
+  CHECK(joint_refusal(JointKind::gear, as_is) == "stack: /joints/0: Box2D 3 has no gear joints");
   CHECK(joint_refusal(JointKind::friction, as_is) == "stack: /joints/0: Box2D 3 has no friction joints");
   CHECK(joint_refusal(JointKind::target, as_is) == "stack: /joints/0: Box2D 3 has no mouse joints");
   CHECK_THAT(joint_refusal(JointKind::motor, as_is), Contains("no motor joints"));

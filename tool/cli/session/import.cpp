@@ -131,7 +131,7 @@ void add_import_rube(CLI::App& import, CliContext& context) {
   rube->add_flag("--force", options->force, "Replace an existing file");
   rube->footer(
       "A drawing: `ticktrue import rube car.json -o scene.json && ticktrue run scene.json --ticks 600`.\n"
-      "What is left out or changed (images, gears, ...) is listed on standard error.");
+      "What is left out or changed (images, pulleys, ...) is listed on standard error.");
   rube->callback([options, &context] { context.exit_code = run_import_rube(*options); });
 }
 

@@ -45,21 +45,24 @@ bool is_undriven(const SoakCase& soak_case) {
 }
 
 /// The number of constraint rows that act on each body, by id.
-std::map<std::uint32_t, double> constraint_rows(const StateView& state) {
+std::map<std::uint32_t, double> constraint_rows(const Scene& scene, const StateView& state) {
   std::map<std::uint32_t, double> rows;
-  const auto add = [&](std::string_view name, std::size_t first_column, std::size_t second_column, double count) {
+  const auto for_values = [&](std::string_view name, std::size_t column, auto use) {
     const auto found = state.schema->find_table(name);
     if (!found) return;
     const TableSchema& table = state.schema->tables[*found];
-    for (std::size_t row = 0; row < state.tables[*found].row_count; ++row)
-      for (const std::size_t column : {first_column, second_column}) {
-        std::uint32_t id = 0;
-        std::memcpy(&id, state.tables[*found].data + row * table.row_size + table.columns[column].offset, sizeof id);
-        rows[id] += count;
-      }
+    for (std::size_t row = 0; row < state.tables[*found].row_count; ++row) {
+      std::uint32_t value = 0;
+      std::memcpy(&value, state.tables[*found].data + row * table.row_size + table.columns[column].offset,
+                  sizeof value);
+      use(value);
+    }
   };
-  add("contacts", 0, 2, 4);  // columns body_a and body_b; two points, each with a normal and a tangent row
-  add("joints", 2, 3, 6);
+  for (const std::size_t column : {0u, 2u})  // body_a and body_b; two points, each with a normal and a tangent row
+    for_values("contacts", column, [&](std::uint32_t id) { rows[id] += 4; });
+  for_values("joints", 0, [&](std::uint32_t joint) {
+    engine::for_each_body(scene, scene.joints[joint], [&](std::uint32_t body) { rows[body] += 6; });
+  });
   return rows;
 }
 
@@ -87,7 +90,7 @@ double momentum_bound(const Scene& scene, const StateView& state, const Bodies& 
   const double speed = speed_inside(scene, before, after);
   const double passes =
       scene.settings.solver == engine::SolverKind::pgs ? scene.settings.iterations : 4 * substeps_max(scene);
-  const auto rows = constraint_rows(state);
+  const auto rows = constraint_rows(scene, state);
   // A solver without contacts in the state may resolve each body against every other body.
   const engine::SolverInfo& solver = info_of(engine::solvers, scene.settings.solver);
   const bool has_unseen = solver.solves_constraints && !solver.reads_contacts && !after.empty();

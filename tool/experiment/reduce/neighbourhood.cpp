@@ -26,8 +26,11 @@ std::vector<Edge> edges_of(const Scene& scene, const BroadPhaseReport& broad_pha
   };
   for (const BroadPhaseReport::Pair& pair : broad_phase.pairs)
     add(broad_phase.boxes[pair.first].body, broad_phase.boxes[pair.second].body);
-  for (const engine::Joint& joint : scene.joints)
-    if (engine::has_body_a(joint.kind)) add(joint.body_a, joint.body_b);
+  for (const engine::Joint& joint : scene.joints) {
+    std::vector<std::uint32_t> joined;
+    engine::for_each_body(scene, joint, [&](std::uint32_t body) { joined.push_back(body); });
+    for (std::size_t i = 1; i < joined.size(); ++i) add(joined[0], joined[i]);
+  }
   for (const engine::Force& force : scene.forces)
     if (force.body && force.other) add(*force.body, *force.other);
   return edges;

@@ -68,13 +68,19 @@ class LaterStart {
   void set_joints(Scene& scene) {
     scene.joints.clear();
     for (const engine::Joint& joint : session_.scene.joints) {
-      const bool has_a = engine::has_body_a(joint.kind);
+      bool keeps = true;
+      engine::for_each_body(session_.scene, joint, [&](std::uint32_t body) { keeps = keeps && is_left(body); });
       joint_index_.push_back(gone);
-      if (!is_left(joint.body_b) || (has_a && !is_left(joint.body_a))) continue;
+      if (!keeps) continue;
       joint_index_.back() = static_cast<std::uint32_t>(scene.joints.size());
       engine::Joint& now = scene.joints.emplace_back(joint);
+      if (engine::joins_joints(joint.kind)) {
+        now.joint_a = joint_index_[joint.joint_a];
+        now.joint_b = joint_index_[joint.joint_b];
+        continue;
+      }
       now.body_b = index_of_[joint.body_b];
-      if (has_a) now.body_a = index_of_[joint.body_a];
+      if (engine::has_body_a(joint.kind)) now.body_a = index_of_[joint.body_a];
     }
   }
 

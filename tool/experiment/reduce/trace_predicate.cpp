@@ -56,8 +56,7 @@ class DiffersElsewhere : public Predicate {
   static void add_bodies_of_joint(const SoakCase& session, Failure& failure) {
     if (failure.table != "joints" || !failure.row || *failure.row >= session.scene.joints.size()) return;
     const engine::Joint& joint = session.scene.joints[*failure.row];
-    if (engine::has_body_a(joint.kind)) failure.bodies.push_back(joint.body_a);
-    failure.bodies.push_back(joint.body_b);
+    engine::for_each_body(session.scene, joint, [&](std::uint32_t body) { failure.bodies.push_back(body); });
   }
 
   OtherProgram program_;

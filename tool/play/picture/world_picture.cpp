@@ -169,8 +169,12 @@ void WorldPicture::find_islands(const std::vector<engine::ContactReport>& contac
       engine::unite(island_, static_cast<std::uint32_t>(a), static_cast<std::uint32_t>(b));
   };
   for (const engine::ContactReport& contact : contacts) meet(contact.body_a, contact.body_b);
-  for (const engine::Joint& joint : engine_.scene().joints)
-    if (engine::has_body_a(joint.kind)) meet(joint.body_a, joint.body_b);
+  for (const engine::Joint& joint : engine_.scene().joints) {
+    std::vector<std::uint32_t> joined;
+    engine::for_each_body(engine_.scene(), joint, [&](std::uint32_t body) { joined.push_back(body); });
+    for (const std::uint32_t a : joined)
+      for (const std::uint32_t b : joined) meet(a, b);
+  }
   for (const engine::Force& force : engine_.scene().forces)
     if (force.body && force.other) meet(*force.body, *force.other);
   for (std::uint32_t row = 0; row < island_.size(); ++row) island_[row] = engine::find_root(island_, row);
@@ -230,12 +234,12 @@ void WorldPicture::draw_joints(Canvas& canvas, const View& view) {
   for (std::uint32_t row = 0; row < table.row_count(); ++row) {
     const auto index = static_cast<std::size_t>(table.value(row, "joint"));
     if (index >= engine_.scene().joints.size()) continue;
-    const engine::Joint& joint = engine_.scene().joints[index];
+    const engine::Joint joint = verifier::shown_joint(engine_.scene(), engine_.scene().joints[index]);
     const DrawnBody* b = find(joint.body_b);
     if (b == nullptr) continue;
     const Point anchor_b = verifier::to_world(*b, drawing_.figures()[b->figure], joint.anchor_b);
     Point anchor_a = joint.offset;
-    if (engine::has_body_a(joint.kind)) {
+    if (engine::has_body_a(joint.kind) || engine::joins_joints(joint.kind)) {
       const DrawnBody* a = find(joint.body_a);
       if (a == nullptr) continue;
       anchor_a = verifier::to_world(*a, drawing_.figures()[a->figure], joint.anchor_a);
