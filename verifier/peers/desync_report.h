@@ -12,6 +12,7 @@
 #include "base/state/row_names.h"
 #include "base/state/state_view.h"
 #include "replay/format/trace.h"
+#include "verifier/locate/locate_contents.h"
 
 namespace ticktrue::verifier {
 
@@ -22,7 +23,7 @@ struct DesyncPlayer {
   std::optional<replay::TickInputs> inputs;
   std::optional<std::vector<ImageTable>> tables;  // the state, where it is known; must outlive this
   bool lost_state = false;                        // the player keeps that tick no more
-  std::vector<std::string> hashed;                // where the state is not known: columns whose hashes differ
+  std::vector<std::string> hashed;                // where the state is not known: what differs by its hashes
   replay::BuildFacts facts;                       // empty: no hello came
 };
 
@@ -31,7 +32,15 @@ struct DesyncLane {
   StatePlace place;                                  // row: of the first player that has it
   std::optional<std::uint64_t> id;                   // of the row, where its table has ids
   std::string name;                                  // of the row
+  std::string where;                                 // of an element of a list: "units[3].inventory[2]"; else empty
   std::vector<std::optional<std::uint64_t>> values;  // [player], bits; nothing: no such row, or no such state
+};
+
+/// A text or a string of bytes that is not the same for all.
+struct DesyncContent {
+  ContentDifference what;                         // its sides are moved to `sides`
+  std::string name;                               // of the row at the begin of its place
+  std::vector<std::optional<ContentSide>> sides;  // [player]; nothing: no such row, or no such state
 };
 
 struct DesyncFinding {
@@ -40,12 +49,14 @@ struct DesyncFinding {
   std::optional<std::uint64_t> agreed;  // the last tick that was the same for all
   std::vector<DesyncPlayer> players;    // ascending
   std::vector<DesyncLane> lanes;        // in table, row, column, lane order; the first of them
-  std::uint64_t lane_count = 0;         // of all
+  std::uint64_t lane_count = 0;         // of all, but those of texts and strings of bytes
+  std::vector<DesyncContent> contents;  // in table and owner order; the first of them
+  std::uint64_t content_count = 0;      // of all
   bool is_cut = false;                  // more may differ than was sent
   bool is_whole = false;                // the states of all players of which a root is known are compared
 };
 
-/// Fills lanes and lane_count from the states of the players.
+/// Fills lanes, contents and their counts from the states of the players.
 void compare_players(const StateSchema& schema, const RowNamer& row_name, DesyncFinding& finding);
 
 /// Players with the same root, the largest group first; of groups of one size that of the lowest player.
