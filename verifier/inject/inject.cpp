@@ -11,7 +11,7 @@
 #include "base/parallel/jobs.h"
 #include "base/random.h"
 #include "base/state/cells.h"
-#include "verifier/verify/simulation_pool.h"
+#include "verifier/inject/simulation_pool.h"
 #include "verifier/verify/verify.h"
 
 namespace ticktrue::verifier {

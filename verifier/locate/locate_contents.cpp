@@ -299,6 +299,17 @@ std::string child_place(const StateSchema& schema, std::span<const ImageTable> t
   return row_place(schema, tables, table, row, top, 0);
 }
 
+std::vector<Content> contents_of(const StateSchema& schema, std::span<const ImageTable> tables, std::size_t table) {
+  const Side side{schema, tables};
+  std::vector<Content> contents;
+  for (std::size_t row = 0; row < tables[table].row_count;) {
+    const Pieces pieces = pieces_at(side, table, row);
+    contents.push_back({child_place(schema, tables, table, row), pieces.part(0, pieces.size())});
+    row += pieces.count;
+  }
+  return contents;
+}
+
 ContentDifferences find_content_differences(const StateSchema& schema,
                                             std::span<const std::span<const ImageTable>> states,
                                             std::size_t count_max) {

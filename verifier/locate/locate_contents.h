@@ -22,6 +22,14 @@ namespace ticktrue::verifier {
 std::string child_place(const StateSchema& schema, std::span<const ImageTable> tables, std::size_t table,
                         std::size_t row);
 
+/// A text or a string of bytes of a state.
+struct Content {
+  std::string place;  // "units[3].inventory[2].label"
+  std::string bytes;
+};
+/// Those that have a byte, in owner order. Requires: the table has pieces; the tables of an image of the schema.
+std::vector<Content> contents_of(const StateSchema& schema, std::span<const ImageTable> tables, std::size_t table);
+
 /// A text or a string of bytes that is not the same in several states. Where it stands is told of one of them.
 struct ContentDifference {
   std::string place;                // "units[3].inventory[2].label"

@@ -19,7 +19,8 @@ inline constexpr std::size_t content_behind_max = 40;
 /// Between quotes, on one line. Quotes, backslashes and control characters are escaped as in C; a byte that is no UTF-8
 /// is \xNN.
 std::string quoted(std::string_view text);
-/// "00 1f ff", at most 16 bytes.
+inline constexpr std::size_t hex_bytes_max = 16;
+/// "00 1f ff", at most hex_bytes_max bytes.
 std::string hex_bytes(std::string_view bytes);
 
 /// Two digits a byte, without spaces, and back: nothing where it is no such text.

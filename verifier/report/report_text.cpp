@@ -18,7 +18,6 @@ namespace ticktrue::verifier {
 namespace {
 
 constexpr char hex_digits[] = "0123456789abcdef";
-constexpr std::size_t hex_bytes_max = 16;
 
 }  // namespace
 
