@@ -487,7 +487,7 @@ void add_verify(CLI::App& app, CliContext& context) {
   command->add_flag("--to-end", options->to_end,
                     "With --mode restore: run from each checkpoint to the end, not only to the next checkpoint");
   add_number(*command, "--sync-test", options->sync_ticks,
-             "After each K ticks go back to the state before them, by load, and run them again: both runs must end in "
+             "After each N ticks go back to the state before them, by load, and run them again: both runs must end in "
              "one state, as after a rollback. In order, on one thread",
              {1, limits::tick_count_max});
   add_number(*command, "-j,--jobs", options->jobs,
