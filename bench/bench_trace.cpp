@@ -50,6 +50,7 @@ struct BenchOptions {
   std::uint64_t tick_count = 400;  // timed
   std::uint64_t block_size = 10;
   std::uint64_t repeat_count = 3;
+  bool is_third = false;
   bool json = false;
 };
 
@@ -82,24 +83,29 @@ class ScratchFile {
   std::string path_;
 };
 
-verifier::TraceChoices choices(replay::Detail detail, std::uint32_t checkpoint_interval) {
+/// `is_third`: of format version 3, as a trace with notes is.
+replay::TraceSetup setup_of(const engine::Engine& engine, replay::Detail detail, std::uint32_t checkpoint_interval,
+                            bool is_third) {
   verifier::TraceChoices made;
   made.detail = detail;
   made.checkpoint_interval = checkpoint_interval;
-  return made;
+  replay::TraceSetup setup = verifier::make_trace_setup(engine, made);
+  if (is_third) setup.features = static_cast<std::uint32_t>(replay::Feature::notes);
+  return setup;
 }
 
 /// A way to run a tick, on its own engine.
 class Variant {
  public:
-  Variant(const engine::Scene& scene, std::optional<replay::Detail> detail) : engine_(*engine::make_engine(scene)) {
+  Variant(const engine::Scene& scene, std::optional<replay::Detail> detail, bool is_third)
+      : engine_(*engine::make_engine(scene)) {
     input_.dt = scene.settings.dt;
     if (!detail) return;
     file_ = std::make_unique<ScratchFile>(std::string(replay::detail_info(*detail).name).c_str());
     replay::WriterOptions writer;
     writer.overwrite = true;
-    writer_.emplace(*replay::TraceWriter::create(file_->path(),
-                                                 verifier::make_trace_setup(*engine_, choices(*detail, 0)),
+    writer.allow_third = is_third;
+    writer_.emplace(*replay::TraceWriter::create(file_->path(), setup_of(*engine_, *detail, 0, is_third),
                                                  verifier::make_build_facts(), writer));
     TICKTRUE_ASSERT(writer_->checkpoint(engine_->state(), root_hash(engine_->state())));
   }
@@ -157,7 +163,8 @@ double time_call(Call call) {
 void measure_ticks(const engine::Scene& scene, const BenchOptions& options, Measured& measured) {
   std::vector<double> plain_us, root_ratios, cells_ratios;
   for (std::uint64_t repeat = 0; repeat < options.repeat_count; ++repeat) {
-    Variant plain(scene, {}), root(scene, replay::Detail::root), cells(scene, replay::Detail::cells);
+    Variant plain(scene, {}, false), root(scene, replay::Detail::root, options.is_third),
+        cells(scene, replay::Detail::cells, options.is_third);
     for (Variant* variant : {&plain, &root, &cells}) variant->time_block(options.warmup);
     for (std::uint64_t done = 0; done < options.tick_count; done += options.block_size) {
       const double base = microseconds(plain.time_block(options.block_size));
@@ -183,15 +190,15 @@ void measure_ticks(const engine::Scene& scene, const BenchOptions& options, Meas
 }
 
 std::uint64_t trace_size(const engine::Scene& scene, replay::Detail detail, std::uint64_t tick_count,
-                         const std::string& path, std::uint32_t checkpoint_interval) {
+                         const std::string& path, std::uint32_t checkpoint_interval, bool is_third) {
   auto engine = *engine::make_engine(scene);
   replay::NoInputs inputs(scene.settings.dt);
   replay::RecordOptions options;
   options.tick_count = tick_count;
   options.writer.overwrite = true;
-  const auto result =
-      replay::record(*engine, inputs, path, verifier::make_trace_setup(*engine, choices(detail, checkpoint_interval)),
-                     verifier::make_build_facts(), options);
+  options.writer.allow_third = is_third;
+  const auto result = replay::record(*engine, inputs, path, setup_of(*engine, detail, checkpoint_interval, is_third),
+                                     verifier::make_build_facts(), options);
   TICKTRUE_ASSERT(result);
   return result->size;
 }
@@ -200,13 +207,13 @@ void measure_sizes(const engine::Scene& scene, const BenchOptions& options, Meas
   const ScratchFile file("size");
   const std::uint64_t few = options.warmup, many = options.warmup + options.tick_count;
   const auto per_tick = [&](replay::Detail detail) {
-    return static_cast<double>(trace_size(scene, detail, many, file.path(), 0) -
-                               trace_size(scene, detail, few, file.path(), 0)) /
+    return static_cast<double>(trace_size(scene, detail, many, file.path(), 0, options.is_third) -
+                               trace_size(scene, detail, few, file.path(), 0, options.is_third)) /
            static_cast<double>(options.tick_count);
   };
   measured.root_bytes = per_tick(replay::Detail::root);
   measured.cells_bytes = per_tick(replay::Detail::cells);
-  trace_size(scene, replay::Detail::root, many, file.path(), static_cast<std::uint32_t>(many - 1));
+  trace_size(scene, replay::Detail::root, many, file.path(), static_cast<std::uint32_t>(many - 1), options.is_third);
   auto reader = replay::TraceReader::open(file.path());
   TICKTRUE_ASSERT(reader);
   const verifier::TraceSummary summary = verifier::summarize(*reader, {});
@@ -217,11 +224,11 @@ void measure_sizes(const engine::Scene& scene, const BenchOptions& options, Meas
 void measure_verify(const engine::Scene& scene, const BenchOptions& options, Measured& measured) {
   const ScratchFile file("verify");
   const std::uint64_t tick_count = options.warmup + options.tick_count;
-  trace_size(scene, replay::Detail::cells, tick_count, file.path(), 600);
+  trace_size(scene, replay::Detail::cells, tick_count, file.path(), 600, options.is_third);
   std::vector<double> ratios;
   for (std::uint64_t repeat = 0; repeat < 2 * options.repeat_count + 1; ++repeat) {
     Clock::time_point start = Clock::now();
-    Variant plain(scene, {});
+    Variant plain(scene, {}, false);
     plain.time_block(tick_count);
     const double base = microseconds(Clock::now() - start);
     start = Clock::now();
@@ -300,6 +307,7 @@ int main(int argc, char** argv) {
   app.add_option("--repeats", options.repeat_count, "Runs from the start")
       ->check(CLI::Range(1, 100))
       ->capture_default_str();
+  app.add_flag("--third", options.is_third, "Traces of format version 3");
   app.add_flag("--json", options.json, "One JSON object");
   try {
     app.parse(argc, argv);

@@ -3,18 +3,16 @@
 #pragma once
 
 #include <cstdint>
-#include <cstring>
 #include <string>
 #include <string_view>
 
-#include "base/limits.h"
 #include "base/result.h"
+#include "base/state/declared_members.h"
 
 namespace ticktrue::capi {
 
 inline std::string_view text_of(const char* text) {
-  // Bounded: a name without a terminator is too long, and is not read out of bounds.
-  return text == nullptr ? std::string_view() : std::string_view(text, strnlen(text, limits::name_size_max + 1));
+  return bounded_name(text);
 }
 
 inline Error usage(const std::string& message, const std::string& hint = "") {

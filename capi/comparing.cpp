@@ -454,7 +454,7 @@ void Comparing::second_run_differs(SecondRunFinding finding) {
   report_.verdict = Verdict::state_incomplete;
   report_.checkpoint = finding.begin;
   report_.reason = std::move(finding.reason);
-  report_.hint = second_run_hint;
+  report_.hint = verifier::second_run_hint;
   constexpr std::array<std::string_view, 3> second_runs{"--mode", "--sync-test", "--from"};
   if (const std::string program = program_command(report_.file, second_runs); !program.empty())
     report_.again.push_back("ticktrue unsaved " + verifier::shell_word(report_.file) + " -- " + program +

@@ -33,9 +33,6 @@ struct SecondRunFinding {
   std::string reason;
   verifier::Divergence divergence;
 };
-inline constexpr const char* second_run_hint =
-    "something that these ticks read is not in what save gives or not restored by load (a static, a cache, a counter, "
-    "a generator), or a tick reads a clock or addresses";
 
 /// A copy of a recorded tick, stored until the tick is confirmed.
 struct RecordedTick : verifier::StoredTick {

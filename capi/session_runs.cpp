@@ -28,18 +28,6 @@ class InCallback {
   bool& flag_;
 };
 
-verifier::Divergence between(const StateView& first, const StateView& second, const RowNamer& row_name) {
-  verifier::Divergence divergence;
-  divergence.expected_root = root_hash(first);
-  divergence.got_root = root_hash(second);
-  Bytes expected, got;
-  encode_image(first, expected);
-  encode_image(second, got);
-  const Status located = verifier::locate_lanes(*first.schema, expected, got, row_name, lane_count_max, divergence);
-  if (!located) divergence.stage_note = "not known: " + located.error().message;
-  return divergence;
-}
-
 std::string range_text(std::uint64_t first, std::uint64_t behind) {
   return behind == first + 1 ? "tick " + std::to_string(first)
                              : "ticks " + std::to_string(first) + ".." + std::to_string(behind - 1);
@@ -68,7 +56,7 @@ bool Session::save_now(std::optional<Bytes>& bytes) {
   bytes = std::move(*saved);
   if (const Status status = gather(); !status) return fail(status.error()), false;
   if (before.is_same(state_.view())) return true;
-  const verifier::Divergence changed = between(before.view(), state_.view(), namer());
+  const verifier::Divergence changed = verifier::between_states(before.view(), state_.view(), namer(), lane_count_max);
   std::string place;
   if (!changed.rows.empty())
     place =
@@ -212,7 +200,8 @@ int Session::differs(std::uint64_t tick, const KeptState* first, const std::stri
   SecondRunFinding finding;
   finding.begin = second_.first();
   finding.reason = reason;
-  if (first != nullptr) finding.divergence = between(first->view(), state_.view(), namer());
+  if (first != nullptr)
+    finding.divergence = verifier::between_states(first->view(), state_.view(), namer(), lane_count_max);
   finding.divergence.tick = tick;
   if (!stage.empty()) {
     finding.divergence.stage = std::string(stage);
@@ -230,7 +219,7 @@ int Session::differs(std::uint64_t tick, const KeptState* first, const std::stri
     report.verdict = verifier::Verdict::state_incomplete;
     report.checkpoint = finding.begin;
     report.reason = std::move(finding.reason);
-    report.hint = second_run_hint;
+    report.hint = verifier::second_run_hint;
     report.divergence = std::move(finding.divergence);
     recording_->add_finding(std::move(report));
   }

@@ -3,60 +3,23 @@
 #include <algorithm>
 
 #include "base/limits.h"
+#include "base/state/declared_members.h"
 #include "capi/call_values.h"
 #include "capi/session.h"
 
 namespace ticktrue::capi {
-namespace {
-
-/// `type` may include the flag of a shown column.
-ScalarType scalar_type(int type) {
-  const int plain = type & ~TICKTRUE_SHOWN;
-  return static_cast<ScalarType>(type >= 0 && plain <= 255 ? plain : 0);
-}
-bool is_shown_type(int type) {
-  return type >= 0 && (type & TICKTRUE_SHOWN) != 0;
-}
-
-/// Reads the members of a struct. `place`: the begin of messages. Errors: usage.
-Result<std::vector<RowMember>> read_members(const std::string& place, const ticktrue_member* members,
-                                            std::uint32_t member_count) {
-  if ((members == nullptr && member_count > 0) || member_count > limits::column_count_max)
-    return usage(place + "members: found " + (members == nullptr ? "null" : number(member_count)) + ", expected 1.." +
-                     number(limits::column_count_max),
-                 "each member of the struct that is compared is one of them");
-  std::vector<RowMember> row(member_count);
-  for (std::uint32_t i = 0; i < member_count; ++i) {
-    const ticktrue_member& member = members[i];
-    row[i] = {text_of(member.name), scalar_type(member.type), member.lanes, member.offset, is_shown_type(member.type)};
-    if (const Status status = check_name(place + "column", row[i].name); !status) return status.error();
-    const ScalarInfo* scalar = scalar_info(row[i].type);
-    if (scalar == nullptr || member.size == 0) continue;
-    if (member.lanes == 0 && member.size % scalar->size == 0)
-      row[i].lane_count = static_cast<std::uint32_t>(std::min<std::size_t>(member.size / scalar->size, UINT32_MAX));
-    else if (member.lanes == 0 || member.size != std::size_t{scalar->size} * member.lanes)
-      return usage(place + "column " + std::string(row[i].name) + ": bytes in the struct: found " +
-                       number(member.size) + ", expected " +
-                       (member.lanes == 0 ? "a multiple of " + number(scalar->size)
-                                          : number(std::size_t{scalar->size} * member.lanes)) +
-                       " (" + std::string(scalar->name) + ")",
-                   "the type is that of the member: TICKTRUE_U8 for one byte, TICKTRUE_F64 for double");
-  }
-  return row;
-}
-
-}  // namespace
+static_assert(TICKTRUE_SHOWN == shown_type_flag);
 
 int Session::column(const char* table, const char* name, const void* data, int type, std::uint32_t lanes,
                     std::uint32_t rows, std::size_t stride) {
   if (!can_call("column")) return status_;
   ColumnSource source;
   source.data = data;
-  source.type = scalar_type(type);
+  source.type = declared_type(type);
   source.lane_count = lanes;
   source.row_count = rows;
   source.stride = stride;
-  source.is_shown = is_shown_type(type);
+  source.is_shown = is_declared_shown(type);
   const Status status = state_.column(text_of(table), text_of(name), source);
   if (probe_ && status) tell_probe(table, name, source);
   return status ? TICKTRUE_OK : fail(status.error());

@@ -40,7 +40,7 @@ extern "C" {
    4: TICKTRUE_MARKS, ticktrue_mark, ticktrue_note; TICKTRUE_LIVE, TICKTRUE_REFUSED, peer_bytes, player, ticktrue_root,
       ticktrue_hello, ticktrue_peer_root and the location of a desync.
    5: ticktrue_child, ticktrue_text, ticktrue_bytes; ticktrue_bundle, ticktrue_box_save; save, load and build of
-      plug-ins. */
+      plug-ins; table, rows, child, text and bytes of ticktrue_host. */
 #define TICKTRUE_API_VERSION 5u
 
 /* The results of calls. */
@@ -342,6 +342,17 @@ typedef struct ticktrue_host {
   int (*reference)(ticktrue_columns* columns, const char* table, const char* column, const char* target);
   /* To be called in step: the stage with this index has ended. */
   void (*stage_done)(ticktrue_stages* stages, uint32_t stage);
+  /* Since version 5 of this interface. As ticktrue_table, ticktrue_rows, ticktrue_child, ticktrue_text and
+     ticktrue_bytes, without shown columns. Values may be written to `base`, as to `data` of a column. Elements are asked
+     for behind create, step, save and load, when `columns` has returned. A simulation with child tables is brought back
+     by `load` of the plug-in alone. */
+  uint32_t (*table)(ticktrue_columns* columns, const char* name, size_t stride, const ticktrue_member* members,
+                    uint32_t member_count);
+  int (*rows)(ticktrue_columns* columns, uint32_t table, void* base, uint32_t rows);
+  int (*child)(ticktrue_columns* columns, const char* table, const char* parent, ticktrue_elements elements, void* user,
+               size_t stride, const ticktrue_member* members, uint32_t member_count);
+  int (*text)(ticktrue_columns* columns, const char* table, const char* parent, ticktrue_elements bytes, void* user);
+  int (*bytes)(ticktrue_columns* columns, const char* table, const char* parent, ticktrue_elements bytes, void* user);
 } ticktrue_host;
 
 /* Functions return 0 for success. `text` has capacity for `text_size` bytes with the final zero: for an error message,

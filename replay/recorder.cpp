@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "base/float_behaviour.h"
+#include "base/state/child_tables.h"
 #include "base/state/row_names.h"
 #include "base/state/stage_hashes.h"
 
@@ -146,7 +147,7 @@ Result<RecordResult> record(Simulation& simulation, InputSource& source, const s
     return Error{ErrorCode::invalid_scene, "initial state, " + non_finite_text(simulation, 0, *place), ""};
   const bool has_saves = setup.has(Feature::saves);
   WriterOptions writer_options = options.writer;
-  writer_options.allow_third = writer_options.allow_third || has_saves;
+  writer_options.allow_third = writer_options.allow_third || has_saves || has_children(setup.schema);
   Result<TraceWriter> writer = TraceWriter::create(path, setup, facts, writer_options);
   if (!writer) return writer.error();
   return Recording(simulation, source, *writer, options, has_saves).run();

@@ -188,7 +188,7 @@ inline constexpr Room rooms[] = {
     {"include/ticktrue", ""},
     {"verifier/report", "base,base/compiler,base/state,replay/format"},
     {"verifier/locate", "base,base/state,replay/format,verifier/report"},
-    {"verifier/peers", "base,base/state,replay,replay/format,verifier/report"},
+    {"verifier/peers", "base,base/state,replay,replay/format,verifier/report,verifier/locate"},
     {"verifier/verify",
      "base,base/state,base/parallel,replay,replay/format,verifier/report,verifier/locate,verifier/peers"},
     {"verifier/runs", "base,replay/file,verifier/report"},

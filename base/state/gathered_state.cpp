@@ -7,6 +7,7 @@
 #include <limits>
 
 #include "base/limits.h"
+#include "base/state/declared_members.h"
 
 namespace ticktrue {
 namespace {
@@ -78,6 +79,25 @@ Status check_name(const std::string& what, std::string_view name) {
     if (static_cast<unsigned char>(c) < 0x20 || c == 0x7f)
       return refused(what + ": name: found a control character, expected printable text");
   return {};
+}
+
+Result<RowMember> read_member(const std::string& place, const DeclaredMember& declared) {
+  RowMember member{declared.name, declared_type(declared.type), declared.lane_count, declared.offset,
+                   is_declared_shown(declared.type)};
+  if (const Status status = check_name(place + "column", member.name); !status) return status.error();
+  const ScalarInfo* scalar = scalar_info(member.type);
+  if (scalar == nullptr || declared.size == 0) return member;
+  if (declared.lane_count == 0 && declared.size % scalar->size == 0)
+    member.lane_count = static_cast<std::uint32_t>(
+        std::min<std::size_t>(declared.size / scalar->size, std::numeric_limits<std::uint32_t>::max()));
+  else if (declared.lane_count == 0 || declared.size != std::size_t{scalar->size} * declared.lane_count)
+    return refused(place + "column " + std::string(member.name) + ": bytes in the struct: found " +
+                       std::to_string(declared.size) + ", expected " +
+                       (declared.lane_count == 0 ? "a multiple of " + std::to_string(scalar->size)
+                                                 : std::to_string(std::size_t{scalar->size} * declared.lane_count)) +
+                       " (" + std::string(scalar->name) + ")",
+                   "the type is that of the member: TICKTRUE_U8 for one byte, TICKTRUE_F64 for double");
+  return member;
 }
 
 namespace {
@@ -388,7 +408,7 @@ Status GatheredState::add_child_columns(std::size_t t, std::span<const RowMember
   return {};
 }
 
-Status GatheredState::rows(std::size_t t, const void* first, std::uint32_t row_count) {
+Status GatheredState::rows(std::size_t t, const void* first, std::uint32_t row_count, void* writable) {
   if (t >= sources_.size() || sources_[t].members.empty() || sources_[t].child)
     return refused("rows: table " + std::to_string(t) + ": found " +
                        (t >= sources_.size() ? "no such number"
@@ -405,6 +425,8 @@ Status GatheredState::rows(std::size_t t, const void* first, std::uint32_t row_c
   for (const Member& member : source.members) {
     ColumnSource& column = member.member.is_shown ? source.shown[shown++] : source.columns[judged++];
     column.data = row_count == 0 ? nullptr : bytes + member.member.offset;
+    const bool can_write = writable != nullptr && row_count > 0;
+    column.writable = can_write ? static_cast<std::uint8_t*>(writable) + member.member.offset : nullptr;
     column.row_count = row_count;
   }
   return {};

@@ -82,8 +82,9 @@ class GatheredState {
   /// known with the same members keeps its number.
   /// Errors: usage (wrong names, a name twice, a member outside of the struct, after freeze: an unknown table), limit.
   Result<std::size_t> table(std::string_view name, std::size_t stride, std::span<const RowMember> members);
-  /// Says where the rows of such a table lie now. Errors: usage (no such table, null with rows), limit.
-  Status rows(std::size_t table, const void* first, std::uint32_t row_count);
+  /// Says where the rows of such a table lie now. `writable`: the same place, where scatter() may write.
+  /// Errors: usage (no such table, null with rows), limit.
+  Status rows(std::size_t table, const void* first, std::uint32_t row_count, void* writable = nullptr);
   std::optional<std::size_t> find_table(std::string_view name) const { return table_names_.find(name); }
 
   /// Before freeze: adds a child of `parent`, a table that is known. `members`: of an element, for the form `rows`; may

@@ -16,6 +16,7 @@
 
 #include "base/state/child_tables.h"
 #include "replay/trace_reader.h"
+#include "tests/capi/cpp_options.h"
 #include "tests/capi/trace_path.h"
 #include "tests/support/catch.h"
 #include "tests/support/text.h"
@@ -59,16 +60,6 @@ namespace {
 using ticktrue_example::Hero;
 using ticktrue_example::Item;
 using ticktrue_example::Note;
-
-ticktrue::Options options_of(const std::string& path, int mode, int detail = TICKTRUE_DETAIL_FULL) {
-  ticktrue::Options options("children-test", nullptr);
-  options.mode = mode;
-  options.path = path.c_str();
-  options.flags = TICKTRUE_QUIET | TICKTRUE_NO_SYNC;
-  options.detail = detail;
-  options.checkpoint_interval = 8;
-  return options;
-}
 
 struct Played {
   int exit_code = 0;
@@ -121,12 +112,12 @@ TEST_CASE("members that are texts and lists are recorded and compared with no fu
   const std::string file = path("x.ttr");
   for (const int detail : {TICKTRUE_DETAIL_ROOT, TICKTRUE_DETAIL_CELLS, TICKTRUE_DETAIL_FULL}) {
     CAPTURE(detail);
-    ticktrue::Options recording = options_of(file, TICKTRUE_RECORD, detail);
+    ticktrue::Options recording = cpp_options(file, TICKTRUE_RECORD, detail);
     recording.flags |= TICKTRUE_OVERWRITE;
     const Played recorded = play(recording);
     CAPTURE(recorded.message);
     REQUIRE(recorded.exit_code == 0);
-    const Played same = play(options_of(file, TICKTRUE_VERIFY));
+    const Played same = play(cpp_options(file, TICKTRUE_VERIFY));
     CAPTURE(same.report);
     CHECK(same.exit_code == 0);
     CHECK(contains(same.report, "40 of 40"));
@@ -139,7 +130,7 @@ TEST_CASE("members that are texts and lists are recorded and compared with no fu
     };
     for (std::size_t i = 0; i < changes.size(); ++i) {
       CAPTURE(i);
-      const Played other = play(options_of(file, TICKTRUE_VERIFY), [&](int tick, std::vector<Hero>& heroes) {
+      const Played other = play(cpp_options(file, TICKTRUE_VERIFY), [&](int tick, std::vector<Hero>& heroes) {
         if (tick == 21) changes[i](heroes.at(1));
       });
       CAPTURE(other.report);
@@ -174,7 +165,7 @@ TEST_CASE("reports put texts, bytes and lists together", "[capi][children][injec
     hero.grid = {{1, 2}, {3}};
     change(hero);
   };
-  REQUIRE(play(options_of(file, TICKTRUE_RECORD), [&](int tick, std::vector<Hero>& heroes) {
+  REQUIRE(play(cpp_options(file, TICKTRUE_RECORD), [&](int tick, std::vector<Hero>& heroes) {
             set(tick, heroes, [](Hero&) {});
           }).exit_code == 0);
   struct Case {
@@ -200,7 +191,7 @@ TEST_CASE("reports put texts, bytes and lists together", "[capi][children][injec
        {"got \"" + std::string(40, 'n') + "\"...", "3 and 802 bytes"}},
   };
   for (const Case& one : cases) {
-    const Played other = play(options_of(file, TICKTRUE_VERIFY),
+    const Played other = play(cpp_options(file, TICKTRUE_VERIFY),
                               [&](int tick, std::vector<Hero>& heroes) { set(tick, heroes, one.change); });
     CAPTURE(other.report);
     CHECK(other.exit_code == 1);
@@ -211,7 +202,7 @@ TEST_CASE("reports put texts, bytes and lists together", "[capi][children][injec
     }
     CHECK(nlohmann::json::parse(other.json, nullptr, false).is_object());
   }
-  const Played other = play(options_of(file, TICKTRUE_VERIFY), [&](int tick, std::vector<Hero>& heroes) {
+  const Played other = play(cpp_options(file, TICKTRUE_VERIFY), [&](int tick, std::vector<Hero>& heroes) {
     set(tick, heroes, [](Hero& hero) { hero.name = "bob"; });
   });
   const auto json = nlohmann::json::parse(other.json);
@@ -233,7 +224,7 @@ TEST_CASE("the words of C++ and those of C record the same bytes", "[capi][child
   };
   {
     std::vector<Note> notes;
-    ticktrue::Session session(options_of(path("cpp.ttr"), TICKTRUE_RECORD));
+    ticktrue::Session session(cpp_options(path("cpp.ttr"), TICKTRUE_RECORD));
     session.table("notes", notes);
     for (int tick = 0; tick < 20; ++tick) {
       session.begin_tick();
@@ -243,7 +234,7 @@ TEST_CASE("the words of C++ and those of C record the same bytes", "[capi][child
     REQUIRE(session.close() == 0);
   }
   const std::string file = path("c.ttr");
-  const ticktrue::Options options = options_of(file, TICKTRUE_RECORD);
+  const ticktrue::Options options = cpp_options(file, TICKTRUE_RECORD);
   ticktrue_session* session = ticktrue_open(&options);
   std::vector<Note> notes;
   const ticktrue_member kind = TICKTRUE_MEMBER(Note, kind, TICKTRUE_U8);
@@ -268,7 +259,7 @@ TEST_CASE("the words of C++ and those of C record the same bytes", "[capi][child
 
 /// What a session says that registers a child in a wrong way.
 std::string refusal(const std::string& file, const std::function<void(ticktrue_session*)>& call) {
-  const ticktrue::Options options = options_of(file, TICKTRUE_RECORD);
+  const ticktrue::Options options = cpp_options(file, TICKTRUE_RECORD);
   ticktrue_session* session = ticktrue_open(&options);
   const std::uint32_t values[] = {4, 9};
   const ticktrue_elements none = [](void*, const void*, std::uint32_t, std::size_t*) -> const void* { return nullptr; };
@@ -350,7 +341,7 @@ TEST_CASE("a callback may be registered again, a new child behind the first tick
           "[capi][children][errors]") {
   const TracePath path;
   const std::string file = path("x.ttr");
-  const ticktrue::Options options = options_of(file, TICKTRUE_RECORD);
+  const ticktrue::Options options = cpp_options(file, TICKTRUE_RECORD);
   ticktrue_session* session = ticktrue_open(&options);
   const std::uint8_t value = 1;
   const ticktrue_elements text = [](void* user, const void*, std::uint32_t, std::size_t* count) -> const void* {
@@ -391,7 +382,7 @@ TEST_CASE("a sync test names the text that load does not bring back", "[capi][ch
   const auto run = [&](const std::string& name, auto load) {
     std::vector<Note> notes;
     const std::string file = path(name);
-    ticktrue::Options options = options_of(file, TICKTRUE_RECORD);
+    ticktrue::Options options = cpp_options(file, TICKTRUE_RECORD);
     options.sync_test = 3;
     options.saves(
         notes, [](const std::vector<Note>& all) { return save_notes(all); }, load);

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "replay/trace_reader.h"
+#include "tests/capi/cpp_options.h"
 #include "tests/capi/cpp_units.h"
 #include "tests/capi/trace_path.h"
 #include "tests/support/catch.h"
@@ -57,16 +58,6 @@ namespace {
 using ticktrue_example::Command;
 using ticktrue_example::Game;
 using ticktrue_example::Level;
-
-ticktrue::Options cpp_options(const std::string& path, int mode) {
-  ticktrue::Options options("cpp-session-test", nullptr);
-  options.mode = mode;
-  options.path = path.c_str();
-  options.flags = TICKTRUE_QUIET | TICKTRUE_NO_SYNC;
-  options.detail = TICKTRUE_DETAIL_FULL;
-  options.checkpoint_interval = 8;
-  return options;
-}
 
 Command command_of(std::uint32_t tick, int filler) {
   Command command;

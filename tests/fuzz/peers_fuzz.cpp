@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cstdint>
 #include <memory>
+#include <span>
 
 #include "base/hash.h"
 #include "capi/peers/message.h"
@@ -65,7 +66,17 @@ void fuzz_documents(const Bytes& bytes) {
     fuzz::require(other.tables().size() == world.schema.tables.size(), "a state has all tables");
     Bytes buffer;
     const std::vector<ImageTable> own = canonical_tables(world.view(), buffer);
-    diff_images(world.schema, own, other.tables(), 1'000);
+    capi::DesyncFinding finding;
+    finding.simulation = "fuzz";
+    for (const auto& tables : {std::span<const ImageTable>(own), other.tables()}) {
+      capi::DesyncPlayer& player = finding.players.emplace_back();
+      player.player = static_cast<std::uint32_t>(finding.players.size());
+      player.root = player.player;
+      player.tables.emplace(tables.begin(), tables.end());
+    }
+    verifier::compare_players(world.schema, {}, finding);
+    fuzz::require(!capi::desync_text(world.schema, finding).empty(), "two states have a text");
+    fuzz::require(!capi::desync_json(world.schema, finding).empty(), "two states have an object");
   }
 }
 

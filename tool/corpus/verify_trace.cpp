@@ -60,6 +60,7 @@ Report verify_trace(replay::TraceReader& reader, const std::string& file, const 
   options.from = how.from;
   options.to = how.to;
   options.to_end = how.to_end;
+  options.sync_ticks = how.sync_ticks;
   options.part = how.part;
   options.simulation = simulation_of(reader);
   if (options.simulation != nullptr) options.tool = tool_command(options.simulation->name);

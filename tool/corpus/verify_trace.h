@@ -22,6 +22,7 @@ struct TraceVerification {
   std::uint64_t from = 0;
   std::optional<std::uint64_t> to;
   bool to_end = false;
+  std::uint64_t sync_ticks = 0;
   std::optional<TracePart> part;    // of the whole trace, in segments
   bool in_segments = true;          // where the simulation runs on threads
   unsigned thread_count = 1;        // segments at once, likewise

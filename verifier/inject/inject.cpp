@@ -12,7 +12,7 @@
 #include "base/random.h"
 #include "base/state/cells.h"
 #include "verifier/inject/flip.h"
-#include "verifier/verify/simulation_pool.h"
+#include "verifier/inject/simulation_pool.h"
 #include "verifier/verify/verify.h"
 
 namespace ticktrue::verifier {

@@ -81,6 +81,19 @@ Status locate_lanes(const StateSchema& schema, ByteView expected, ByteView got, 
   return {};
 }
 
+Divergence between_states(const StateView& first, const StateView& second, const RowNamer& row_name,
+                          std::size_t row_count_max) {
+  Divergence divergence;
+  divergence.expected_root = root_hash(first);
+  divergence.got_root = root_hash(second);
+  Bytes expected, got;
+  encode_image(first, expected);
+  encode_image(second, got);
+  if (const Status located = locate_lanes(*first.schema, expected, got, row_name, row_count_max, divergence); !located)
+    divergence.stage_note = "not known: " + located.error().message;
+  return divergence;
+}
+
 void locate_stage(std::span<const std::string> stages, std::span<const std::uint64_t> expected,
                   std::span<const std::uint64_t> got, Divergence& divergence) {
   divergence.stage.reset();

@@ -19,7 +19,16 @@ namespace ticktrue::verifier {
 Status locate_lanes(const StateSchema& schema, ByteView expected, ByteView got, const RowNamer& row_name,
                     std::size_t row_count_max, Divergence& divergence);
 
-/// Fills stage and stage_note from the hashes after each stage: the recorded ones and those of a run here.
+/// What differs between two states of one schema. Fills hashes, tables, rows and contents.
+Divergence between_states(const StateView& first, const StateView& second, const RowNamer& row_name,
+                          std::size_t row_count_max);
+
+/// The next step where a second run of some ticks, from a save on, ends otherwise than the first.
+inline constexpr const char* second_run_hint =
+    "something that these ticks read is not in what save gives or not restored by load (a static, a cache, a counter, "
+    "a generator), or a tick reads a clock or addresses";
+
+/// Fills stage and stage_note from the recorded hashes after each stage and those of a run here.
 void locate_stage(std::span<const std::string> stages, std::span<const std::uint64_t> expected,
                   std::span<const std::uint64_t> got, Divergence& divergence);
 

@@ -1,4 +1,4 @@
-// Assembles the pieces of each owner, in the order of both states.
+// Puts pieces together, owner by owner, in the order of all states.
 // SPDX-License-Identifier: MIT
 #include "verifier/locate/locate_contents.h"
 
@@ -7,8 +7,6 @@
 #include <optional>
 #include <utility>
 #include <vector>
-
-#include "verifier/report/content_text.h"
 
 namespace ticktrue::verifier {
 namespace {
@@ -23,7 +21,7 @@ struct Side {
   std::span<const ImageTable> tables;
 };
 
-/// Identifies a row in both states: id or number of the row at the top level, followed by indices.
+/// What identifies a row over all states: id or number of the row at the top, then indices.
 using Path = std::vector<std::uint64_t>;
 
 std::optional<Path> path_of(const Side& side, std::size_t t, std::size_t row, std::size_t depth);
@@ -163,20 +161,21 @@ std::string window(const Pieces& pieces, std::uint64_t first, std::uint64_t offs
   return first < behind ? pieces.part(first, behind) : std::string();
 }
 
-/// Requires: at least one side has pieces with a byte.
-ContentReport content_of(const Pieces& a, const Pieces& b, std::uint64_t offset, bool is_text) {
-  ContentReport content;
+/// All of it but the place. A state without pieces has an empty side. Requires: pieces of one state at least that has a
+/// byte.
+ContentDifference content_of(std::span<const Pieces> states, std::uint64_t offset, bool is_text) {
+  ContentDifference content;
   content.is_text = is_text;
   content.offset = offset;
-  content.expected_size = a.size();
-  content.got_size = b.size();
-  const Pieces& longer = content.expected_size >= content.got_size ? a : b;
-  if (is_text) content.character = character_at(longer, offset);
+  const Pieces* longest = &states[0];
+  for (const Pieces& pieces : states)
+    if (pieces.size() >= longest->size()) longest = &pieces;
+  if (is_text) content.character = character_at(*longest, offset);
   content.first = offset > content_before_max ? offset - content_before_max : 0;
   if (is_text && content.first > 0)
-    for (int i = 0; i < 3 && content.first < offset && is_inner(longer.at(content.first)); ++i) ++content.first;
-  content.expected = window(a, content.first, offset, is_text);
-  content.got = window(b, content.first, offset, is_text);
+    for (int i = 0; i < 3 && content.first < offset && is_inner(longest->at(content.first)); ++i) ++content.first;
+  for (const Pieces& pieces : states)
+    content.sides.emplace_back(ContentSide{window(pieces, content.first, offset, is_text), pieces.size()});
   return content;
 }
 
@@ -204,19 +203,17 @@ std::string row_place(const StateSchema& schema, std::span<const ImageTable> tab
   return has_pieces(table) ? text : text + "[" + std::to_string(key.index) + "]";
 }
 
-/// Sets place and owner of the pieces that begin at this row.
-void set_place(const Side& side, std::size_t t, std::size_t row, const RowNamer& row_name, ContentReport& content) {
-  StatePlace top;
+/// Place and owner of the pieces that begin at this row.
+void set_place(const Side& side, std::size_t t, std::size_t row, ContentDifference& content) {
   content.table = side.schema.tables[t].name;
-  content.place = row_place(side.schema, side.tables, t, row, top, 0);
-  content.row = top.row;
-  const TableSchema& table = side.schema.tables[top.table];
-  if (table.form == TableForm::plain && table.key_column_count > 0 && top.row < side.tables[top.table].row_count)
-    content.id = lane_bits(table, side.tables[top.table].rows, {top.table, top.row, 0, 0});
-  if (row_name) content.name = row_name(top.table, top.row);
+  content.place = row_place(side.schema, side.tables, t, row, content.top, 0);
+  const TableSchema& table = side.schema.tables[content.top.table];
+  if (table.form == TableForm::plain && table.key_column_count > 0 &&
+      content.top.row < side.tables[content.top.table].row_count)
+    content.id = lane_bits(table, side.tables[content.top.table].rows, {content.top.table, content.top.row, 0, 0});
 }
 
-/// The current position of one side in its pieces.
+/// Where one state stands in its pieces.
 struct Walk {
   const Side& side;
   std::size_t t;
@@ -236,31 +233,60 @@ struct Walk {
   }
 };
 
-void compare_table(const Side& expected, const Side& got, std::size_t t, const RowNamer& row_name,
-                   std::size_t count_max, Divergence& divergence) {
-  const TableSchema& table = expected.schema.tables[t];
-  Walk a{expected, t}, b{got, t};
-  a.read();
-  b.read();
-  while (!a.is_done() || !b.is_done()) {
-    bool takes_a = !a.is_done(), takes_b = !b.is_done();
-    if (takes_a && takes_b && a.path && b.path && *a.path != *b.path) (*a.path < *b.path ? takes_b : takes_a) = false;
-    const Pieces none{&table, nullptr, 0, 0};
-    const Pieces& from_a = takes_a ? a.pieces : none;
-    const Pieces& from_b = takes_b ? b.pieces : none;
-    if (const auto offset = first_difference(from_a, from_b)) {
-      if (divergence.contents.size() < count_max) {
-        ContentReport content = content_of(from_a, from_b, *offset, table.form == TableForm::text);
-        // Names belong to rows of the state here.
-        set_place(takes_b ? got : expected, t, takes_b ? b.row : a.row, takes_b ? row_name : RowNamer(), content);
-        if (!takes_a && b.path && !has_row(expected, t, *b.path)) content.expected.reset();
-        if (!takes_b && a.path && !has_row(got, t, *a.path)) content.got.reset();
-        divergence.contents.push_back(std::move(content));
+/// The states whose next pieces belong to the same owner, the first one in order.
+std::vector<bool> next_owner(std::span<const Walk> walks) {
+  std::vector<bool> takes;
+  const Path* first = nullptr;
+  bool has_paths = true;
+  for (const Walk& at : walks) {
+    takes.push_back(!at.is_done());
+    if (at.is_done()) continue;
+    has_paths = has_paths && at.path;
+    if (at.path && (first == nullptr || *at.path < *first)) first = &*at.path;
+  }
+  for (std::size_t i = 0; i < walks.size() && has_paths; ++i) takes[i] = takes[i] && *walks[i].path == *first;
+  return takes;
+}
+
+/// The first byte that is not the same in all; nothing: all are the same.
+std::optional<std::uint64_t> first_difference(std::span<const Pieces> states) {
+  std::optional<std::uint64_t> first;
+  for (std::size_t i = 1; i < states.size(); ++i)
+    if (const auto offset = first_difference(states[0], states[i]); offset && (!first || *offset < *first))
+      first = offset;
+  return first;
+}
+
+void compare_table(const StateSchema& schema, std::span<const std::span<const ImageTable>> states, std::size_t t,
+                   std::size_t count_max, ContentDifferences& found) {
+  const TableSchema& table = schema.tables[t];
+  std::vector<Side> sides;
+  for (const std::span<const ImageTable> tables : states) sides.push_back({schema, tables});
+  std::vector<Walk> walks;
+  for (const Side& side : sides) walks.push_back({side, t});
+  for (Walk& at : walks) at.read();
+  std::vector<Pieces> pieces;
+  for (;;) {
+    const std::vector<bool> takes = next_owner(walks);
+    const auto placing = static_cast<std::size_t>(std::find(takes.begin(), takes.end(), true) - takes.begin());
+    if (placing == takes.size()) return;
+    pieces.clear();
+    for (std::size_t i = 0; i < walks.size(); ++i)
+      pieces.push_back(takes[i] ? walks[i].pieces : Pieces{&table, nullptr, 0, 0});
+    if (const auto offset = first_difference(pieces)) {
+      if (found.list.size() < count_max) {
+        ContentDifference content = content_of(pieces, *offset, table.form == TableForm::text);
+        const Walk& from = walks[placing];
+        set_place(from.side, t, from.row, content);
+        content.placed_by = placing;
+        for (std::size_t i = 0; i < walks.size(); ++i)
+          if (!takes[i] && from.path && !has_row(sides[i], t, *from.path)) content.sides[i].reset();
+        found.list.push_back(std::move(content));
       }
-      ++divergence.content_count;
+      ++found.count;
     }
-    if (takes_a) a.next();
-    if (takes_b) b.next();
+    for (std::size_t i = 0; i < walks.size(); ++i)
+      if (takes[i]) walks[i].next();
   }
 }
 
@@ -273,13 +299,46 @@ std::string child_place(const StateSchema& schema, std::span<const ImageTable> t
   return row_place(schema, tables, table, row, top, 0);
 }
 
+std::vector<Content> contents_of(const StateSchema& schema, std::span<const ImageTable> tables, std::size_t table) {
+  const Side side{schema, tables};
+  std::vector<Content> contents;
+  for (std::size_t row = 0; row < tables[table].row_count;) {
+    const Pieces pieces = pieces_at(side, table, row);
+    contents.push_back({child_place(schema, tables, table, row), pieces.part(0, pieces.size())});
+    row += pieces.count;
+  }
+  return contents;
+}
+
+ContentDifferences find_content_differences(const StateSchema& schema,
+                                            std::span<const std::span<const ImageTable>> states,
+                                            std::size_t count_max) {
+  ContentDifferences found;
+  for (std::size_t t = 0; t < schema.tables.size(); ++t)
+    if (has_pieces(schema.tables[t])) compare_table(schema, states, t, count_max, found);
+  return found;
+}
+
 void locate_contents(const StateSchema& schema, std::span<const ImageTable> expected, std::span<const ImageTable> got,
                      const RowNamer& row_name, std::size_t count_max, Divergence& divergence) {
+  const std::span<const ImageTable> states[] = {got, expected};  // places and names are those of the state here
+  ContentDifferences found = find_content_differences(schema, states, count_max);
   divergence.contents.clear();
-  divergence.content_count = 0;
-  const Side there{schema, expected}, here{schema, got};
-  for (std::size_t t = 0; t < schema.tables.size(); ++t)
-    if (has_pieces(schema.tables[t])) compare_table(there, here, t, row_name, count_max, divergence);
+  divergence.content_count = found.count;
+  for (ContentDifference& content : found.list) {
+    ContentReport& report = divergence.contents.emplace_back();
+    report.place = std::move(content.place);
+    report.table = std::move(content.table);
+    report.row = content.top.row;
+    report.id = content.id;
+    if (row_name && content.placed_by == 0) report.name = row_name(content.top.table, content.top.row);
+    report.is_text = content.is_text;
+    report.first = content.first;
+    report.offset = content.offset;
+    report.character = content.character;
+    if (auto& side = content.sides[0]) report.got = std::move(side->bytes), report.got_size = side->size;
+    if (auto& side = content.sides[1]) report.expected = std::move(side->bytes), report.expected_size = side->size;
+  }
 }
 
 }  // namespace ticktrue::verifier

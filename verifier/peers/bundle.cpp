@@ -9,6 +9,7 @@
 
 #include "base/hash.h"
 #include "base/plain_text.h"
+#include "base/state/child_tables.h"
 #include "replay/format/identity.h"
 #include "replay/format/peer.h"
 #include "replay/format/table_list.h"
@@ -25,7 +26,7 @@ std::string player_name(std::uint32_t player) {
   return "player " + std::to_string(player);
 }
 
-/// Columns whose hashes in the player's cells differ from this state.
+/// Columns, texts and strings of bytes whose hashes in the cells of the player are not those of this state.
 std::vector<std::string> columns_by_hash(const StateSchema& schema, std::span<const ImageTable> tables, ByteView list) {
   const replay::CellLayout layout(schema);
   replay::ComposedCells there;
@@ -44,8 +45,11 @@ std::vector<std::string> columns_by_hash(const StateSchema& schema, std::span<co
   for (std::size_t t = 0; t < layout.table_count(); ++t)
     for (std::size_t c = 0; c < layout.column_count(t); ++c) {
       const std::size_t at = layout.first_column(t) + c;
-      if (names.size() < hashed_columns_max && here.columns[at] != there.cells().columns[at])
+      if (names.size() >= hashed_columns_max || here.columns[at] == there.cells().columns[at]) continue;
+      if (!has_pieces(schema.tables[t]))
         names.push_back(schema.tables[t].name + "." + schema.tables[t].columns[c].name);
+      else if (names.empty() || names.back() != schema.tables[t].name)
+        names.push_back(schema.tables[t].name);  // the columns of pieces say nothing to people
     }
   return names;
 }

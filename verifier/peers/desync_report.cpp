@@ -5,12 +5,15 @@
 #include <algorithm>
 #include <map>
 #include <nlohmann/json.hpp>
+#include <span>
 #include <tuple>
 #include <utility>
 
 #include "base/count_text.h"
 #include "base/hash.h"
 #include "base/plain_text.h"
+#include "base/state/child_tables.h"
+#include "verifier/report/content_text.h"
 #include "verifier/report/fact_differences.h"
 #include "verifier/report/json_parts.h"
 
@@ -19,6 +22,7 @@ namespace {
 
 constexpr std::size_t compared_lane_count_max = 100'000;  // between two players
 constexpr std::size_t lane_shown_max = 8;
+constexpr std::size_t content_shown_max = 8;
 
 /// The order of the report. Rows that the first state lacks come after its own rows with the same number.
 using LaneKey = std::tuple<std::size_t, std::size_t, bool, std::uint64_t, std::size_t, std::size_t>;
@@ -64,11 +68,12 @@ void add_line(std::string& text, std::string label, const std::string& content) 
 }
 
 std::string row_text(const Column& column, const DesyncLane& lane) {
-  std::string text = "row " + std::to_string(lane.place.row);
-  if (lane.id || !lane.name.empty()) {
+  std::string text = lane.where.empty() ? "row " + std::to_string(lane.place.row) : lane.where;
+  const bool has_id = lane.id && lane.where.empty();  // that of an element is its owner, which the place has
+  if (has_id || !lane.name.empty()) {
     text += " (";
-    if (lane.id) text += "id " + std::to_string(*lane.id);
-    if (lane.id && !lane.name.empty()) text += ", ";
+    if (has_id) text += "id " + std::to_string(*lane.id);
+    if (has_id && !lane.name.empty()) text += ", ";
     if (!lane.name.empty()) text += "name \"" + lane.name + "\"";
     text += ")";
   }
@@ -94,6 +99,40 @@ std::string values_text(const DesyncFinding& finding, const Column& column, cons
   });
   if (bits.size() == 2)
     if (const auto ulp = ulp_distance(column.type, bits[0], bits[1])) text += ".  " + std::to_string(*ulp) + " ulp";
+  return text;
+}
+
+/// The sides of the players whose states are known; a side of nothing is no such row.
+using ShownSide = std::optional<ContentSide>;
+
+std::vector<std::optional<ShownSide>> known_sides(const DesyncFinding& finding, const DesyncContent& content) {
+  std::vector<std::optional<ShownSide>> sides;
+  for (std::size_t i = 0; i < finding.players.size(); ++i)
+    sides.push_back(finding.players[i].tables ? std::optional(content.sides[i]) : std::nullopt);
+  return sides;
+}
+
+std::string contents_text(const DesyncFinding& finding, const DesyncContent& content) {
+  const ContentDifference& what = content.what;
+  const std::vector<std::optional<ShownSide>> sides = known_sides(finding, content);
+  std::string text = grouped(
+      finding, sides, [&](const ShownSide& side) { return content_side(what.is_text, what.first, what.offset, side); });
+  text += what.character ? ".  differs at character " + std::to_string(*what.character)
+                         : ".  differs at byte " + std::to_string(what.offset);
+  std::vector<std::uint64_t> sizes;
+  for (const std::optional<ShownSide>& side : sides)
+    if (side && *side && std::find(sizes.begin(), sizes.end(), (*side)->size) == sizes.end())
+      sizes.push_back((*side)->size);
+  if (sizes.size() == 2) text += "; " + std::to_string(sizes[0]) + " and " + std::to_string(sizes[1]) + " bytes";
+  if (sizes.size() == 1 && !what.is_text) text += " of " + std::to_string(sizes[0]);
+  return text;
+}
+
+/// "9 values and 1 text".
+std::string difference_count_text(const DesyncFinding& finding) {
+  std::string text;
+  if (finding.lane_count > 0 || finding.content_count == 0) text = count_text(finding.lane_count, "value");
+  if (finding.content_count > 0) text += (text.empty() ? "" : " and ") + count_text(finding.content_count, "text");
   return text;
 }
 
@@ -198,6 +237,7 @@ nlohmann::ordered_json lane_object(const StateSchema& schema, const DesyncFindin
                                 {"lane", lane.place.lane}};
   if (lane.id) object["id"] = *lane.id;
   if (!lane.name.empty()) object["name"] = plain_line(lane.name);
+  if (!lane.where.empty()) object["place"] = plain_line(lane.where);
   object["values"] = nlohmann::ordered_json::array();
   for (std::size_t i = 0; i < finding.players.size(); ++i) {
     if (!finding.players[i].tables) continue;
@@ -211,25 +251,84 @@ nlohmann::ordered_json lane_object(const StateSchema& schema, const DesyncFindin
   return object;
 }
 
+nlohmann::ordered_json content_object(const DesyncFinding& finding, const DesyncContent& content) {
+  const ContentDifference& what = content.what;
+  nlohmann::ordered_json object{{"place", plain_line(what.place)},
+                                {"table", plain_line(what.table)},
+                                {"kind", what.is_text ? "text" : "bytes"},
+                                {"row", what.top.row}};
+  if (what.id) object["id"] = *what.id;
+  if (!content.name.empty()) object["name"] = plain_line(content.name);
+  object["first"] = what.first;
+  object["byte"] = what.offset;
+  object["character"] = nullptr;
+  if (what.character) object["character"] = *what.character;
+  object["values"] = nlohmann::ordered_json::array();
+  const std::vector<std::optional<ShownSide>> sides = known_sides(finding, content);
+  for (std::size_t i = 0; i < sides.size(); ++i) {
+    if (!sides[i]) continue;
+    nlohmann::ordered_json value{{"player", finding.players[i].player}, {"value", nullptr}};
+    if (const ShownSide& side = *sides[i]) {
+      value["value"] = what.is_text ? side->bytes : hex_text(side->bytes);
+      value["size"] = side->size;
+    }
+    object["values"].push_back(std::move(value));
+  }
+  return object;
+}
+
+/// `compared`: the players whose states may differ, the first one in front.
+void compare_contents(const StateSchema& schema, const Names& compared, const RowNamer& row_name,
+                      DesyncFinding& finding) {
+  std::vector<std::span<const ImageTable>> states;
+  for (const std::size_t i : compared) states.push_back(*finding.players[i].tables);
+  ContentDifferences found = find_content_differences(schema, states, content_shown_max);
+  finding.content_count = found.count;
+  for (ContentDifference& what : found.list) {
+    DesyncContent& content = finding.contents.emplace_back();
+    // Who is not compared has the root of the first player.
+    content.sides.assign(finding.players.size(), what.sides[0]);
+    for (std::size_t i = 1; i < compared.size(); ++i) content.sides[compared[i]] = std::move(what.sides[i]);
+    what.sides.clear();
+    if (row_name) content.name = row_name(what.top.table, what.top.row);
+    content.what = std::move(what);
+  }
+}
+
+/// Who has the root of another player has its values.
+template <typename Value>
+void share_by_root(const DesyncFinding& finding, std::vector<Value>& values) {
+  for (std::size_t i = 0; i < finding.players.size(); ++i)
+    for (std::size_t j = 0; j < i; ++j)
+      if (finding.players[j].tables && finding.players[i].root && finding.players[i].root == finding.players[j].root)
+        values[i] = values[j];
+}
+
 }  // namespace
 
 void compare_players(const StateSchema& schema, const RowNamer& row_name, DesyncFinding& finding) {
   const auto has_state = [](const DesyncPlayer& player) { return player.tables.has_value(); };
   const auto first = std::find_if(finding.players.begin(), finding.players.end(), has_state);
   finding.lanes.clear();
-  finding.lane_count = 0;
+  finding.contents.clear();
+  finding.lane_count = finding.content_count = 0;
   if (first == finding.players.end()) return;
   const auto first_index = static_cast<std::size_t>(first - finding.players.begin());
+  Names compared{first_index};
   std::map<LaneKey, DesyncLane> lanes;
   for (std::size_t i = first_index + 1; i < finding.players.size(); ++i) {
     const DesyncPlayer& player = finding.players[i];
     if (!player.tables || player.root == first->root) continue;
+    compared.push_back(i);
     for (const LaneDifference& difference :
          diff_images(schema, *first->tables, *player.tables, compared_lane_count_max)) {
+      if (has_pieces(schema.tables[difference.place.table])) continue;
       DesyncLane& lane = lanes[lane_key(difference)];
       if (lane.values.empty()) {
         lane.place = difference.place;
         lane.id = difference.id;
+        lane.where = child_place(schema, difference.expected ? *first->tables : *player.tables, difference.place.table,
+                                 difference.place.row);
         lane.values.assign(finding.players.size(), difference.expected);
       }
       lane.values[i] = difference.got;
@@ -238,14 +337,12 @@ void compare_players(const StateSchema& schema, const RowNamer& row_name, Desync
   finding.lane_count = lanes.size();
   for (auto& [key, lane] : lanes) {
     if (finding.lanes.size() == lane_shown_max) break;
-    // A player with the root of another player has its values.
-    for (std::size_t i = 0; i < finding.players.size(); ++i)
-      for (std::size_t j = 0; j < i; ++j)
-        if (finding.players[i].root && finding.players[i].root == finding.players[j].root)
-          lane.values[i] = lane.values[j];
+    share_by_root(finding, lane.values);
     if (row_name) lane.name = row_name(lane.place.table, lane.place.row);
     finding.lanes.push_back(std::move(lane));
   }
+  compare_contents(schema, compared, row_name, finding);
+  for (DesyncContent& content : finding.contents) share_by_root(finding, content.sides);
 }
 
 std::vector<Names> root_groups(const DesyncFinding& finding) {
@@ -277,8 +374,13 @@ std::string desync_text(const StateSchema& schema, const DesyncFinding& finding)
     add_line(text, "column", name + " " + row_text(column, lane));
     add_line(text, "value", values_text(finding, column, lane));
   }
-  if (finding.lane_count > finding.lanes.size() || finding.is_cut)
-    add_line(text, "more", (finding.is_cut ? "at least " : "") + count_text(finding.lane_count, "value") + " differ");
+  for (const DesyncContent& content : finding.contents) {
+    add_line(text, content.what.is_text ? "text" : "bytes",
+             content_place(content.what.place, content.what.id, content.name));
+    add_line(text, "value", contents_text(finding, content));
+  }
+  if (finding.lane_count > finding.lanes.size() || finding.content_count > finding.contents.size() || finding.is_cut)
+    add_line(text, "more", (finding.is_cut ? "at least " : "") + difference_count_text(finding) + " differ");
   std::vector<std::optional<std::uint64_t>> roots;
   for (const DesyncPlayer& player : finding.players) roots.push_back(player.root);
   add_line(text, "hash", grouped(finding, roots, hex64));
@@ -304,7 +406,14 @@ std::string desync_json(const StateSchema& schema, const DesyncFinding& finding)
   object["differing"] = finding.lane_count;
   object["values"] = Json::array();
   for (const DesyncLane& lane : finding.lanes) object["values"].push_back(lane_object(schema, finding, lane));
-  return object.dump();
+  if (finding.content_count > 0) {
+    object["contents"] = Json::array();
+    for (const DesyncContent& content : finding.contents)
+      object["contents"].push_back(content_object(finding, content));
+    object["content_count"] = finding.content_count;
+  }
+  // A text may hold bytes that are no UTF-8.
+  return object.dump(-1, ' ', false, Json::error_handler_t::replace);
 }
 
 }  // namespace ticktrue::verifier

@@ -13,6 +13,7 @@
 #include "base/state/row_names.h"
 #include "base/state/state_view.h"
 #include "replay/format/trace.h"
+#include "verifier/locate/locate_contents.h"
 
 namespace ticktrue::verifier {
 
@@ -21,10 +22,10 @@ struct DesyncPlayer {
   std::uint32_t player = 0;
   std::optional<std::uint64_t> root;
   std::optional<replay::TickInputs> inputs;
-  std::optional<std::vector<ImageTable>> tables;  // the state, if it is known; must outlive this object
-  bool lost_state = false;                        // the player no longer has this tick
-  std::vector<std::string> hashed;                // if the state is unknown: columns with differing hashes
-  replay::BuildFacts facts;                       // empty: no hello was received
+  std::optional<std::vector<ImageTable>> tables;  // the state, where it is known; must outlive this
+  bool lost_state = false;                        // the player keeps that tick no more
+  std::vector<std::string> hashed;                // where the state is not known: what differs by its hashes
+  replay::BuildFacts facts;                       // empty: no hello came
 };
 
 /// One value that differs between players.
@@ -32,7 +33,15 @@ struct DesyncLane {
   StatePlace place;                                  // row: of the first player with this row
   std::optional<std::uint64_t> id;                   // of the row, if its table has ids
   std::string name;                                  // of the row
-  std::vector<std::optional<std::uint64_t>> values;  // [player], bits; nothing: no such row, or no state
+  std::string where;                                 // of an element of a list: "units[3].inventory[2]"; else empty
+  std::vector<std::optional<std::uint64_t>> values;  // [player], bits; nothing: no such row, or no such state
+};
+
+/// A text or a string of bytes that is not the same for all.
+struct DesyncContent {
+  ContentDifference what;                         // its sides are moved to `sides`
+  std::string name;                               // of the row at the begin of its place
+  std::vector<std::optional<ContentSide>> sides;  // [player]; nothing: no such row, or no such state
 };
 
 struct DesyncFinding {
@@ -40,13 +49,15 @@ struct DesyncFinding {
   std::uint64_t tick = 0;
   std::optional<std::uint64_t> agreed;  // the last tick that was equal for all
   std::vector<DesyncPlayer> players;    // ascending
-  std::vector<DesyncLane> lanes;        // in table, row, column, lane order; only the first lanes
-  std::uint64_t lane_count = 0;         // number of all differing lanes
-  bool is_cut = false;                  // more rows may differ than were sent
-  bool is_whole = false;                // the states of all players with a known root were compared
+  std::vector<DesyncLane> lanes;        // in table, row, column, lane order; the first of them
+  std::uint64_t lane_count = 0;         // of all, but those of texts and strings of bytes
+  std::vector<DesyncContent> contents;  // in table and owner order; the first of them
+  std::uint64_t content_count = 0;      // of all
+  bool is_cut = false;                  // more may differ than was sent
+  bool is_whole = false;                // the states of all players of which a root is known are compared
 };
 
-/// Fills lanes and lane_count from the states of the players.
+/// Fills lanes, contents and their counts from the states of the players.
 void compare_players(const StateSchema& schema, const RowNamer& row_name, DesyncFinding& finding);
 
 /// Players with the same root. The largest group is first; of equally large groups, the one with the lowest player.

@@ -11,6 +11,7 @@
 
 #include "base/hash.h"
 #include "base/limits.h"
+#include "base/state/declared_members.h"
 #include "base/state/gathered_state.h"
 #include "base/state/save_calls.h"
 #include "include/ticktrue.h"
@@ -61,11 +62,7 @@ Error plugin_error(ErrorCode code, const std::string& path, const std::string& w
   return {code, "plug-in " + path + ": " + what, hint};
 }
 
-std::string_view bounded(const char* text) {
-  return text == nullptr ? std::string_view() : std::string_view(text, strnlen(text, limits::name_size_max + 1));
-}
-
-/// A buffer for text from a plug-in.
+/// A buffer for the text of a plug-in.
 class TextBuffer {
  public:
   explicit TextBuffer(std::size_t size) : text_(size, '\0') {}
@@ -90,26 +87,86 @@ int host_column(ticktrue_columns* columns, const char* table, const char* name, 
   source.lane_count = lanes;
   source.row_count = rows;
   source.stride = stride;
-  columns->failure = columns->state.column(bounded(table), bounded(name), source);
+  columns->failure = columns->state.column(bounded_name(table), bounded_name(name), source);
   return columns->failure ? TICKTRUE_OK : TICKTRUE_FAILED;
 }
 
 int host_key(ticktrue_columns* columns, const char* table, std::uint32_t key_columns) {
   if (columns == nullptr || !columns->failure) return TICKTRUE_FAILED;
-  columns->failure = columns->state.key(bounded(table), key_columns);
+  columns->failure = columns->state.key(bounded_name(table), key_columns);
   return columns->failure ? TICKTRUE_OK : TICKTRUE_FAILED;
 }
 
 int host_reference(ticktrue_columns* columns, const char* table, const char* column, const char* target) {
   if (columns == nullptr || !columns->failure) return TICKTRUE_FAILED;
-  columns->failure = columns->state.reference(bounded(table), bounded(column), bounded(target));
+  columns->failure = columns->state.reference(bounded_name(table), bounded_name(column), bounded_name(target));
   return columns->failure ? TICKTRUE_OK : TICKTRUE_FAILED;
+}
+
+/// As in a session, without shown columns: a recording of a plug-in has none. Errors: usage.
+Result<std::vector<RowMember>> host_members(const char* table, const ticktrue_member* members,
+                                            std::uint32_t member_count) {
+  const std::string place = "table " + std::string(bounded_name(table)) + ": ";
+  Result<std::vector<RowMember>> row = read_members(place, members, member_count);
+  if (!row) return row;
+  for (const RowMember& member : *row)
+    if (member.is_shown)
+      return Error{ErrorCode::usage,
+                   place + "column " + std::string(member.name) + ": found a shown column, expected a judged one",
+                   "traces of plug-ins hold no shown columns"};
+  return row;
+}
+
+std::uint32_t host_table(ticktrue_columns* columns, const char* name, std::size_t stride,
+                         const ticktrue_member* members, std::uint32_t member_count) {
+  if (columns == nullptr || !columns->failure) return TICKTRUE_NO_TABLE;
+  const Result<std::vector<RowMember>> row = host_members(name, members, member_count);
+  const Result<std::size_t> made = row ? columns->state.table(bounded_name(name), stride, *row) : row.error();
+  if (!made) columns->failure = made.error();
+  return made ? static_cast<std::uint32_t>(*made) : TICKTRUE_NO_TABLE;
+}
+
+int host_rows(ticktrue_columns* columns, std::uint32_t table, void* base, std::uint32_t rows) {
+  if (columns == nullptr || !columns->failure) return TICKTRUE_FAILED;
+  columns->failure = columns->state.rows(table, base, rows, base);
+  return columns->failure ? TICKTRUE_OK : TICKTRUE_FAILED;
+}
+
+int add_child(ticktrue_columns* columns, const char* table, const char* parent, const ChildSource& source,
+              const ticktrue_member* members, std::uint32_t member_count) {
+  if (columns == nullptr || !columns->failure) return TICKTRUE_FAILED;
+  const Result<std::vector<RowMember>> row = host_members(table, members, member_count);
+  columns->failure =
+      row ? columns->state.child(bounded_name(table), bounded_name(parent), source, *row) : Status(row.error());
+  return columns->failure ? TICKTRUE_OK : TICKTRUE_FAILED;
+}
+
+int host_child(ticktrue_columns* columns, const char* table, const char* parent, ticktrue_elements elements, void* user,
+               std::size_t stride, const ticktrue_member* members, std::uint32_t member_count) {
+  return add_child(columns, table, parent, {TableForm::rows, elements, user, stride}, members, member_count);
+}
+
+int host_text(ticktrue_columns* columns, const char* table, const char* parent, ticktrue_elements bytes, void* user) {
+  return add_child(columns, table, parent, {TableForm::text, bytes, user, 1}, nullptr, 0);
+}
+
+int host_bytes(ticktrue_columns* columns, const char* table, const char* parent, ticktrue_elements bytes, void* user) {
+  return add_child(columns, table, parent, {TableForm::bytes, bytes, user, 1}, nullptr, 0);
 }
 
 void host_stage_done(ticktrue_stages* stages, std::uint32_t stage);
 
-constexpr ticktrue_host host{sizeof(ticktrue_host), TICKTRUE_API_VERSION, host_column, host_key,
-                             host_reference,        host_stage_done};
+constexpr ticktrue_host host{sizeof(ticktrue_host),
+                             TICKTRUE_API_VERSION,
+                             host_column,
+                             host_key,
+                             host_reference,
+                             host_stage_done,
+                             host_table,
+                             host_rows,
+                             host_child,
+                             host_text,
+                             host_bytes};
 
 class PluginSimulation : public Simulation {
  public:
@@ -186,6 +243,8 @@ class PluginSimulation : public Simulation {
   Status load(ByteView image) override {
     if (plugin_.functions.loaded == nullptr)
       return Error{ErrorCode::unsupported, place("its state can only be observed, not loaded"), ""};
+    if (state_.has_children())
+      return Error{ErrorCode::unsupported, place("its state has child tables, which `loaded` does not bring back"), ""};
     const Result<std::vector<ImageTable>> tables = check_image(state_.schema(), image);
     if (!tables) return tables.error();
     for (std::size_t t = 0; t < tables->size(); ++t)
@@ -277,7 +336,12 @@ class PluginSimulation : public Simulation {
     if (!state_.is_frozen())
       if (const Status status = state_.freeze(); !status)
         return plugin_error(ErrorCode::usage, plugin_.path, status.error().message, status.error().hint);
-    const Status status = state_.gather();
+    const Status status = [&] {
+      if (!state_.has_children()) return state_.gather();
+      const std::lock_guard lock(plugin_.mutex);
+      const WatchedCall call(PluginCall::elements, tick_);
+      return state_.gather();
+    }();
     return status ? status
                   : plugin_error(status.error().code, plugin_.path, status.error().message, status.error().hint);
   }
@@ -375,7 +439,7 @@ Status read_plugin(const ticktrue_plugin& given, Plugin& plugin) {
                         "interface version: found " + std::to_string(functions.api_version) + ", expected 1.." +
                             std::to_string(TICKTRUE_API_VERSION),
                         "use a newer ticktrue, or build the plug-in with this one's header");
-  plugin.name = std::string(bounded(functions.name));
+  plugin.name = std::string(bounded_name(functions.name));
   if (const Status status = check_name("name", plugin.name); !status)
     return plugin_error(ErrorCode::usage, plugin.path, status.error().message);
   if (functions.flags != 0)
@@ -402,7 +466,7 @@ Status read_plugin(const ticktrue_plugin& given, Plugin& plugin) {
                         "stages: found " + std::to_string(functions.stage_count) + ", expected at most " +
                             std::to_string(limits::stage_count_max) + " and their names");
   for (std::uint32_t i = 0; i < functions.stage_count; ++i) {
-    plugin.stages.emplace_back(bounded(functions.stages[i]));
+    plugin.stages.emplace_back(bounded_name(functions.stages[i]));
     if (const Status status = check_name("stage " + std::to_string(i), plugin.stages.back()); !status)
       return plugin_error(ErrorCode::usage, plugin.path, status.error().message);
   }

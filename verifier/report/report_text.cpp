@@ -18,24 +18,23 @@ namespace ticktrue::verifier {
 namespace {
 
 constexpr char hex_digits[] = "0123456789abcdef";
-constexpr std::size_t hex_bytes_max = 16;
-
-/// The text of one side. `is_whole`: nothing is left out.
-std::string side_text(const ContentReport& content, const std::optional<std::string>& bytes, std::uint64_t size) {
-  if (!bytes) return "no such row";
-  if (size == 0) return content.is_text ? "\"\"" : "nothing";
-  if (!content.is_text) {
-    if (content.offset >= size) return "ends before it";
-    const std::size_t skipped = static_cast<std::size_t>(
-        std::min<std::uint64_t>(content.offset - std::min(content.first, content.offset), bytes->size()));
-    const std::string_view behind = std::string_view(*bytes).substr(skipped);
-    return hex_bytes(behind) + (content.offset + std::min(behind.size(), hex_bytes_max) < size ? " ..." : "");
-  }
-  return (content.first > 0 ? "..." : "") + verifier::quoted(*bytes) +
-         (content.first + bytes->size() < size ? "..." : "");
-}
 
 }  // namespace
+
+std::string content_side(bool is_text, std::uint64_t first, std::uint64_t offset,
+                         const std::optional<ContentSide>& side) {
+  if (!side) return "no such row";
+  const auto& [bytes, size] = *side;
+  if (size == 0) return is_text ? "\"\"" : "nothing";
+  if (!is_text) {
+    if (offset >= size) return "ends before it";
+    const std::size_t skipped =
+        static_cast<std::size_t>(std::min<std::uint64_t>(offset - std::min(first, offset), bytes.size()));
+    const std::string_view behind = std::string_view(bytes).substr(skipped);
+    return hex_bytes(behind) + (offset + std::min(behind.size(), hex_bytes_max) < size ? " ..." : "");
+  }
+  return (first > 0 ? "..." : "") + quoted(bytes) + (first + bytes.size() < size ? "..." : "");
+}
 
 std::size_t utf8_size(std::string_view text) {
   if (text.empty()) return 0;
@@ -111,20 +110,28 @@ std::optional<std::string> bytes_of_hex(std::string_view text) {
   return bytes;
 }
 
-std::string content_place(const ContentReport& content) {
-  std::string text = content.place;
-  if (!content.id && content.name.empty()) return text;
+std::string content_place(const std::string& place, std::optional<std::uint64_t> id, const std::string& name) {
+  std::string text = place;
+  if (!id && name.empty()) return text;
   text += "  (";
-  if (content.id) text += "id " + std::to_string(*content.id);
-  if (content.id && !content.name.empty()) text += ", ";
-  if (!content.name.empty()) text += "name \"" + content.name + "\"";
+  if (id) text += "id " + std::to_string(*id);
+  if (id && !name.empty()) text += ", ";
+  if (!name.empty()) text += "name \"" + name + "\"";
   return text + ")";
+}
+
+std::string content_place(const ContentReport& content) {
+  return content_place(content.place, content.id, content.name);
 }
 
 std::string content_values(const ContentReport& content, const std::string& expected_name,
                            const std::string& got_name) {
-  std::string text = expected_name + " " + side_text(content, content.expected, content.expected_size) + ".  " +
-                     got_name + " " + side_text(content, content.got, content.got_size) + ".";
+  const auto side = [&](const std::optional<std::string>& bytes, std::uint64_t size) {
+    return content_side(content.is_text, content.first, content.offset,
+                        bytes ? std::optional(ContentSide{*bytes, size}) : std::nullopt);
+  };
+  std::string text = expected_name + " " + side(content.expected, content.expected_size) + ".  " + got_name + " " +
+                     side(content.got, content.got_size) + ".";
   if (!content.expected || !content.got) return text;
   text += content.character ? "  differs at character " + std::to_string(*content.character)
                             : "  differs at byte " + std::to_string(content.offset);

@@ -78,6 +78,8 @@ std::string call_text(std::uint32_t call, std::uint64_t tick) {
       return "in save, after " + std::to_string(tick) + " ticks";
     case PluginCall::load:
       return "in load of the save of tick " + std::to_string(tick);
+    case PluginCall::elements:
+      return "in a callback of a child table, after tick " + std::to_string(tick);
   }
   return "";
 }

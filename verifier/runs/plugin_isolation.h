@@ -28,7 +28,8 @@ enum class PluginCall : std::uint32_t {
   names,
   destroy,
   save,
-  load
+  load,
+  elements
 };
 
 /// Memory shared by both processes.

@@ -12,10 +12,10 @@
 namespace ticktrue::verifier {
 namespace {
 
-class SecondRun {
+class RunAgain {
  public:
-  SecondRun(const WalkContext& context, TraceSource& source, const Mismatch& mismatch, Findings& findings,
-            const std::function<void(std::uint64_t)>& progress)
+  RunAgain(const WalkContext& context, TraceSource& source, const Mismatch& mismatch, Findings& findings,
+           const std::function<void(std::uint64_t)>& progress)
       : context_(context), source_(source), mismatch_(mismatch), findings_(findings), progress_(progress) {}
 
   Rerun run(Start start) {
@@ -118,7 +118,7 @@ class SecondRun {
 
 Rerun run_again(const WalkContext& context, TraceSource& source, const Start& start, const Mismatch& mismatch,
                 Findings& findings, const std::function<void(std::uint64_t)>& progress) {
-  return SecondRun(context, source, mismatch, findings, progress).run(start);
+  return RunAgain(context, source, mismatch, findings, progress).run(start);
 }
 
 void judge_mismatch(const Mismatch& mismatch, const Rerun& rerun, Findings& findings) {

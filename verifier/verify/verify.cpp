@@ -15,6 +15,7 @@
 #include "verifier/verify/rerun.h"
 #include "verifier/verify/segments.h"
 #include "verifier/verify/single_change.h"
+#include "verifier/verify/sync_test.h"
 #include "verifier/verify/twice.h"
 #include "verifier/verify/walk.h"
 
@@ -57,6 +58,8 @@ class Verifier {
         case VerifyMode::replay:
           if (options_.part)
             run_part(*options_.part);
+          else if (options_.sync_ticks > 0)
+            run_sync_test();
           else
             run_replay();
           break;
@@ -176,9 +179,10 @@ class Verifier {
     take(std::move(result));
   }
 
-  /// Walks in order, from `start` to the end.
-  WalkResult walk_from(const Start& start) {
+  /// In order, from `start` to the end.
+  WalkResult walk_from(const Start& start, std::uint64_t sync_ticks = 0) {
     Segment whole;
+    whole.sync_ticks = sync_ticks;
     whole.start = start;
     whole.count_from = options_.from;
     whole.progress = options_.progress;
@@ -246,7 +250,54 @@ class Verifier {
     judge(*mismatch, first, near);
   }
 
-  /// Replays with one thread, and with each other number of threads.
+  /// Replays, and each tick runs twice. What the walk finds in a first run is a divergence only if a run without second
+  /// runs has a finding too: load may have left a state that goes on otherwise.
+  void run_sync_test() {
+    if (!options_.simulation->has_saves && !can_load(context_, findings_)) {
+      if (!findings_.decided) refuse_loading(context_, findings_);
+      return;
+    }
+    const Start first = find_start(options_.from);
+    if (findings_.decided) return;
+    WalkResult result = walk_from(first, options_.sync_ticks);
+    if (result.sync_begin) {
+      report_.checkpoint = *result.sync_begin;
+      return take(std::move(result));
+    }
+    if (is_clean(result, true)) {
+      findings_.notes.push_back("sync test: " + count_text(result.sync_tick_count, "tick") + " ran twice" +
+                                (result.sync_tick_count > 0 ? " with the same state" : ""));
+      if (result.sync_missing_saves > 0)
+        sync_gap_ = "sync test: " + count_text(result.sync_missing_saves, "time") + " there was no save";
+      else if (result.sync_tick_count == 0)
+        sync_gap_ = "sync test: no tick ran twice";
+      return take(std::move(result));
+    }
+    WalkResult plain = walk_from(begin_);
+    if (!is_clean(plain, true)) return conclude_walk(std::move(plain), begin_);
+    take(std::move(plain));
+    judge_sync_mismatch(result);
+  }
+
+  /// Called if the run without second runs agrees with the recording.
+  void judge_sync_mismatch(const WalkResult& found) {
+    if (!found.sync_last_load)
+      return findings_.not_reproducible("two runs here differ from tick " + std::to_string(tick_of(found)) + " on");
+    report_.checkpoint = found.sync_last_load;
+    findings_.decide(
+        Verdict::state_incomplete,
+        "tick " + std::to_string(tick_of(found)) +
+            " is as recorded where no tick runs twice, and not behind the second run that began with tick " +
+            std::to_string(*found.sync_last_load) + (found.findings.reason.empty() ? "" : ": " + found.findings.reason),
+        sync_hint(options_.simulation->has_saves ? BroughtBackBy::save : BroughtBackBy::image));
+    Divergence divergence;
+    if (found.mismatch) divergence = found.mismatch->divergence;
+    divergence.tick = tick_of(found);
+    if (!found.mismatch) divergence.time_s = found.time_s;
+    findings_.divergence = std::move(divergence);
+  }
+
+  /// Replays with one thread, then with each other number of them.
   void run_threads() {
     run_replay();
     if (findings_.decided) return;
@@ -419,6 +470,11 @@ class Verifier {
       report_.ticks_recorded =
           report_.end->tail.ticks_intact - std::min(source_.first_tick(), report_.end->tail.ticks_intact);
     if (!findings_.decided) judge_end();
+    if (findings_.verdict == Verdict::match && !sync_gap_.empty()) {
+      findings_.verdict = Verdict::incomplete;
+      findings_.reason = sync_gap_;
+      findings_.hint = "save gives the state after every tick: each tick begins a second run";
+    }
     report_.state_changed = changed_;
     report_.verdict = findings_.verdict;
     report_.reason = findings_.reason;
@@ -467,7 +523,8 @@ class Verifier {
   Report report_;
   Findings findings_;
   bool changed_ = false;
-  std::uint64_t tick_ = 0;  // number of ticks walked
+  std::uint64_t tick_ = 0;  // ticks done
+  std::string sync_gap_;    // why the sync test proves less than it should; empty: it does not
 };
 
 /// Adds commands for further examination.
@@ -484,8 +541,9 @@ void suggest(const replay::TraceSetup& setup, const VerifyOptions& options, Repo
   const std::uint64_t tick = report.divergence->tick;
   const std::uint64_t interval = setup.checkpoint_interval;
   const std::uint64_t from = report.checkpoint.value_or(interval == 0 ? 0 : tick / interval * interval);
-  report.again.push_back(verify_command + " --mode " + (is_incomplete ? "restore" : report.mode) + " --from " +
-                         std::to_string(from) + " --to " + std::to_string(tick));
+  const std::string way = options.sync_ticks > 0 ? " --sync-test " + std::to_string(options.sync_ticks)
+                                                 : " --mode " + (is_incomplete ? "restore" : report.mode);
+  report.again.push_back(verify_command + way + " --from " + std::to_string(from) + " --to " + std::to_string(tick));
   if (!report.divergence->rows.empty()) return;
   const std::string number = std::to_string(tick);
   report.again.push_back(is_incomplete ? options.tool + " record " + file + " --ticks " + std::to_string(tick + 1) +

@@ -1,11 +1,12 @@
 // Re-simulates a trace and compares every tick with the recording.
 // SPDX-License-Identifier: MIT
 //
-// Verified: each stored part of each tick (root hash, hash after each stage, state image, cells); each checkpoint; the
-// state from the setup; a divergence, by a second run. In segments, each run begins at a recorded checkpoint, and its
-// end is compared with the checkpoint of the next run. A finding of a run from a checkpoint is a divergence only if a
-// run from the setup also has a finding. Otherwise the verdict is state_incomplete.
-// Not verified in order (one thread, from the start): that a run from a checkpoint gives the same result.
+// Verified: of every tick all that the trace stores of it: root hash, hash after each stage, state image, cells; every
+// checkpoint; that the state made from the setup is the recorded one; that a divergence shows again in a second run. In
+// segments each run begins with a recorded checkpoint, and its end is compared with the checkpoint where the next one
+// begins. What a run from a checkpoint finds is a divergence only if a run from the setup has a finding as well; else
+// the state is incomplete. With sync_ticks each tick runs twice, as in a rollback, and must end in one state.
+// Not verified in order (one thread, from the start): that a run from a checkpoint goes the same way.
 #pragma once
 
 #include <array>
@@ -52,8 +53,11 @@ struct VerifyOptions {
   std::uint64_t spread_ticks = 64;  // ticks after a divergence in which differing rows are counted; 0: none
   std::function<void(std::uint64_t ticks_done)> progress;  // may be empty; called by one thread at a time
 
-  /// Called after each tick that counts as compared, with the simulated time at its end. May be empty; any thread may
-  /// call it.
+  /// Replay: after each so many ticks the simulation is brought back to the state before them, and they run again; 0:
+  /// none do. In order, on one thread.
+  std::uint64_t sync_ticks = 0;
+
+  /// Called after each tick that counts as compared, with the simulated time at its end. May be empty; any thread.
   std::function<void(double time_s)> on_compared;
 
   /// If the trace stores only the hash of the differing tick: search a single bit that explains the hash (replay).

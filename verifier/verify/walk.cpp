@@ -10,6 +10,7 @@
 #include "base/state/stage_hashes.h"
 #include "verifier/locate/locate.h"
 #include "verifier/locate/locate_cells.h"
+#include "verifier/verify/sync_test.h"
 
 namespace ticktrue::verifier {
 namespace {
@@ -41,7 +42,8 @@ class SegmentWalk {
     simulation_ = begin_at(context_, segment_.start, result_.findings);
     if (simulation_ == nullptr || !check_loaded()) return std::move(result_);
     watch_.begin(simulation_->state());
-    result_.end = walk_on();
+    result_.end = begins_sync_test() ? walk_on() : WalkEnd::stopped;
+    end_sync_test();
     if (result_.end == WalkEnd::end_of_trace) read_end();
     result_.changed = watch_.changed();
     return std::move(result_);
@@ -71,10 +73,34 @@ class SegmentWalk {
       stages_.clear();
       if (!accepts(input) || !steps(input, record.stage_hashes.empty() ? nullptr : &stages_)) return WalkEnd::stopped;
       if (!compare_tick(record)) return WalkEnd::mismatch;
+      if (sync_ && !sync_->add(input)) return WalkEnd::stopped;
     }
   }
 
-  /// Compares the loaded state with its image.
+  /// False: the simulation cannot be saved; the finding is set behind the walk.
+  bool begins_sync_test() {
+    if (segment_.sync_ticks == 0) return true;
+    const bool by_save = context_.options.simulation->has_saves;
+    sync_.emplace(*simulation_, by_save ? BroughtBackBy::save : BroughtBackBy::image, segment_.sync_ticks,
+                  context_.options.row_count_max);
+    return sync_->begin(result_.tick, result_.time_s);
+  }
+
+  void end_sync_test() {
+    if (!sync_) return;
+    const bool is_whole = result_.end == WalkEnd::end_of_trace || result_.end == WalkEnd::reached_stop;
+    if (is_whole && !sync_->finish()) result_.end = WalkEnd::stopped;
+    result_.sync_tick_count = sync_->tick_count();
+    result_.sync_missing_saves = sync_->missing_save_count();
+    result_.sync_last_load = sync_->last_load();
+    if (!sync_->finding()) return;
+    const SyncFinding& finding = *sync_->finding();
+    result_.sync_begin = finding.begin;
+    result_.findings.decide(Verdict::state_incomplete, finding.reason, finding.hint);
+    result_.findings.divergence = finding.divergence;
+  }
+
+  /// Compares the state after loading with the image that was loaded.
   bool check_loaded() {
     if (!segment_.start.loaded) return true;
     if (segment_.counts_load) ++result_.checkpoints_compared;
@@ -266,7 +292,8 @@ class SegmentWalk {
   StageHashes stages_;  // of the last tick, if the trace stores them
   WalkResult result_;
   std::unique_ptr<Simulation> simulation_;
-  double last_dt_;  // s, of the last tick
+  std::optional<SyncTest> sync_;
+  double last_dt_;  // s, of the tick that ran last
   ChangeWatch watch_;
   Bytes image_;  // reused
 };

@@ -122,17 +122,23 @@ struct WalkResult {
   bool changed = false;                    // some state outside the table `world` has changed
   std::uint64_t last_checkpoint = 0;       // tick of the last checkpoint on the way, or of the start
   double last_checkpoint_s = 0;            // simulated time there
-  std::optional<TraceEnd> trace_end;       // set if the walk reached the end of the trace
-  std::optional<Start> boundary;           // the checkpoint at which the walk ended
+  std::optional<TraceEnd> trace_end;       // where the end was read
+  std::optional<Start> boundary;           // the checkpoint at which the walk stopped
+  // With Segment::sync_ticks.
+  std::optional<std::uint64_t> sync_begin;      // the finding is of a second run: it began there
+  std::optional<std::uint64_t> sync_last_load;  // tick of the state that was loaded last
+  std::uint64_t sync_tick_count = 0;            // ticks that ran twice with the same state
+  std::uint64_t sync_missing_saves = 0;         // times that there was no save
 };
 
 struct Segment {
   Start start;
   std::uint64_t stop = std::numeric_limits<std::uint64_t>::max();  // the walk ends at its checkpoint, which is compared
   std::uint64_t count_from = 0;                                    // ticks from here on count as compared
-  bool counts = true;                                              // false: no tick counts
-  bool counts_load = true;             // whether the comparison of the loaded state with the checkpoint counts
-  std::function<bool()> is_abandoned;  // called once per tick; may be empty
+  bool counts = true;                                              // false: nothing counts
+  bool counts_load = true;             // whether comparing the loaded state with the checkpoint counts
+  std::uint64_t sync_ticks = 0;        // as in the options
+  std::function<bool()> is_abandoned;  // asked once a tick; may be empty
   std::function<void(std::uint64_t ticks_done)> progress;  // may be empty
 };
 

@@ -23,10 +23,12 @@
 #include "replay/recorder.h"
 #include "tests/fuzz/support/fuzz.h"
 #include "tests/fuzz/support/peers_world.h"
+#include "tests/fuzz/support/saving_toy.h"
 #include "tests/fuzz/support/worlds.h"
 #include "tests/support/toy_simulation.h"
 #include "tool/corpus/run/shard_plan.h"
 #include "tool/session/input_source.h"
+#include "verifier/peers/peer_rows.h"
 #include "verifier/report/report_transfer.h"
 #include "verifier/store/verdict_entry.h"
 
@@ -96,8 +98,12 @@ class ToySession : public replay::InputSource {
   Bytes bytes_;
 };
 
-void seed_toy_trace(std::uint32_t body_count, bool is_full, bool compress, std::uint64_t tick_count) {
-  test::ToySimulation toy(body_count);
+/// `has_saves`: of a simulation that has them, which loads them.
+void seed_toy_trace(std::uint32_t body_count, bool is_full, bool compress, std::uint64_t tick_count,
+                    bool has_saves = false) {
+  test::ToySimulation plain(body_count);
+  fuzz::SavingToy saving(body_count);
+  test::ToySimulation& toy = has_saves ? saving : plain;
   replay::TraceSetup setup;
   setup.simulation = "ticktrue.toy";
   setup.physics_version = 1;
@@ -109,6 +115,7 @@ void seed_toy_trace(std::uint32_t body_count, bool is_full, bool compress, std::
   setup.schema = test::ToySimulation::schema();
   setup.stages = test::ToySimulation::stages();
   setup.setup = test::ToySimulation::setup(body_count);
+  if (has_saves) setup.features = static_cast<std::uint32_t>(replay::Feature::saves);
   replay::RecordOptions options;
   options.tick_count = tick_count;
   options.writer.compress = compress;
@@ -201,8 +208,9 @@ void seed_third_trace(replay::Detail detail, std::uint64_t first_tick) {
   seed("trace_forged", trace);
 }
 
-/// Format version 3 with child tables: texts of each row, a list of each row, and a text of each element.
-void seed_child_trace(replay::Detail detail) {
+/// Format version 3 with child tables: texts of each row, a list of each row, and a text of each element. `is_bundle`:
+/// another player has another list in the last tick.
+void seed_child_trace(replay::Detail detail, bool is_bundle) {
   constexpr std::uint64_t tick_count = 6;
   using Words = std::vector<std::string>;
   const std::vector<std::uint32_t> ids{3, 8};
@@ -227,6 +235,9 @@ void seed_child_trace(replay::Detail detail) {
   setup.schema = state.schema();
   if (detail == replay::Detail::full) setup.full_last = tick_count;
   setup.checkpoint_interval = 3;
+  if (is_bundle)
+    setup.features =
+        static_cast<std::uint32_t>(replay::Feature::tail) | static_cast<std::uint32_t>(replay::Feature::peers);
   replay::WriterOptions options;
   options.compress = false;
   options.sync = false;
@@ -241,6 +252,22 @@ void seed_child_trace(replay::Detail detail) {
     lists[tick % 2].push_back("tick " + std::to_string(tick));
     if (tick == 3) lists[0].clear();
     is_written = is_written && state.gather() && writer->end_tick(root_hash(state.view()), {}, &state.view());
+  }
+  if (is_bundle) {
+    is_written = is_written && writer->checkpoint(state.view(), root_hash(state.view()));
+    Bytes own_buffer, other_buffer;
+    encode_image(state.view(), own_buffer);
+    const auto own = split_image(state.schema(), own_buffer);
+    lists[0].push_back("a rope of thirty metres");
+    is_written = is_written && own && state.gather();
+    replay::PeerRecord peer;
+    peer.player = 1;
+    peer.session_identity = replay::session_identity(setup);
+    peer.tick = tick_count - 1;
+    peer.roots = {{peer.tick, root_hash(state.view())}};
+    peer.inputs = replay::inputs_of(setup.dt, {});
+    verifier::set_peer_rows(state.schema(), *own, canonical_tables(state.view(), other_buffer), peer);
+    is_written = is_written && writer->peer(peer);
   }
   fuzz::require(is_written && writer->finish(replay::EndReason::complete, ""), "and is");
   const Bytes trace = read_file(path);
@@ -322,10 +349,12 @@ void seed_boxes() {
 void seed_traces() {
   for (const replay::Detail detail : {replay::Detail::root, replay::Detail::cells, replay::Detail::full})
     for (const std::uint64_t first_tick : {0, 7}) seed_third_trace(detail, first_tick);
-  for (const replay::Detail detail : {replay::Detail::cells, replay::Detail::full}) seed_child_trace(detail);
+  for (const replay::Detail detail : {replay::Detail::cells, replay::Detail::full})
+    for (const bool is_bundle : {false, true}) seed_child_trace(detail, is_bundle);
   for (const bool is_full : {false, true})
     for (const bool compress : {false, true}) seed_toy_trace(compress ? 20 : 2, is_full, compress, 9);
   seed_toy_trace(1, false, false, 1);
+  for (const bool is_full : {false, true}) seed_toy_trace(2, is_full, false, 9, true);
   for (const fs::directory_entry& entry : fs::directory_iterator(root / "traces"))
     if (entry.path().extension() == ".ttr" && entry.file_size() < trace_size_max)
       for (const char* harness : {"trace", "trace_forged"}) seed(harness, read_file(entry.path()));

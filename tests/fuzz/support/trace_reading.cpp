@@ -15,22 +15,53 @@
 #include "replay/format/payload.h"
 #include "replay/trace_reader.h"
 #include "tests/fuzz/support/fuzz.h"
+#include "tests/fuzz/support/saving_toy.h"
 #include "tests/support/toy_simulation.h"
+#include "verifier/locate/locate.h"
 #include "verifier/peers/bundle.h"
+#include "verifier/report/content_text.h"
 #include "verifier/verify/verify.h"
 
 namespace ticktrue::fuzz {
 namespace {
 
 constexpr std::uint32_t toy_body_count_max = 100;
+constexpr std::size_t located_count_max = 8;
+constexpr std::size_t compared_size_max = std::size_t{1} << 20;  // of a state that is compared with the one before it
+
+/// The toy whose saves can be loaded, for traces that have some.
+const SimulationInfo saving_toy_info = [] {
+  SimulationInfo info = test::toy_info;
+  info.make = SavingToy::make;
+  info.has_saves = true;
+  return info;
+}();
 
 struct Reading {
   std::vector<std::uint64_t> roots;  // of the ticks, in order
   std::uint64_t checkpoint_count = 0;
 };
 
+/// Two states that a reader accepts can be compared; what differs has a place.
+void compare_states(const StateSchema& schema, const Bytes& before, const Bytes& behind) {
+  verifier::Divergence divergence;
+  require(verifier::locate_lanes(schema, before, behind, {}, located_count_max, divergence).has_value(),
+          "states of a trace can be compared");
+  for (const verifier::LaneReport& row : divergence.rows) require(!row.column.empty(), "a lane has a column");
+  for (const verifier::ContentReport& content : divergence.contents)
+    require(!verifier::content_place(content).empty() && !verifier::content_values(content, "a", "b").empty(),
+            "a text has a place and values");
+  require((before == behind) || divergence.lane_count + divergence.content_count > 0, "a difference is found");
+}
+
 Reading read_on(replay::TraceReader& reader, std::uint64_t first_tick) {
   Reading reading;
+  Bytes state;  // the last one that was stored
+  const auto take_state = [&](Bytes next) {
+    if (!state.empty() && std::max(state.size(), next.size()) <= compared_size_max)
+      compare_states(reader.setup().schema, state, next);
+    state = std::move(next);
+  };
   for (;;) {
     const replay::TraceReader::Item& item = reader.next();
     require(reader.offset() <= reader.size(), "a place in the file");
@@ -39,9 +70,11 @@ Reading read_on(replay::TraceReader& reader, std::uint64_t first_tick) {
       require(std::isfinite(tick->dt) && tick->dt >= 0, "dt is finite");
       require(tick->stage_hashes.empty() || tick->stage_hashes.size() == reader.setup().stages.size(), "stage hashes");
       reading.roots.push_back(tick->root_hash);
+      if (tick->image) take_state(tick->image->joined());
     } else if (const auto* checkpoint = std::get_if<replay::CheckpointRecord>(&item)) {
       require(checkpoint->tick == first_tick + reading.roots.size(), "a checkpoint stands at its tick");
       ++reading.checkpoint_count;
+      take_state({checkpoint->image.begin(), checkpoint->image.end()});
     } else {
       break;
     }
@@ -238,9 +271,13 @@ void read_in_every_way(ByteView bytes) {
 
   ByteReader setup(reader->setup().setup);
   if (setup.u32() > toy_body_count_max) return;
-  for (const verifier::VerifyModeInfo& mode : verifier::verify_modes) {
+  // Each mode, and replay once more with ticks that run twice.
+  for (std::size_t way = 0; way <= verifier::verify_modes.size(); ++way) {
+    const bool is_sync = way == verifier::verify_modes.size();
+    const verifier::VerifyModeInfo& mode = verifier::verify_modes[is_sync ? 0 : way];
     verifier::VerifyOptions options;
-    options.simulation = &test::toy_info;
+    options.sync_ticks = is_sync ? 3 : 0;
+    options.simulation = reader->setup().has(replay::Feature::saves) ? &saving_toy_info : &test::toy_info;
     options.mode = mode.mode;
     reader->rewind();
     const verifier::Report report = verifier::verify(*reader, options);

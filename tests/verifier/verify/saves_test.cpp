@@ -24,7 +24,8 @@ struct SavingPlan {
   bool forgets = false;                    // load leaves the hidden counter as it was
   std::uint64_t fails_at = ~std::uint64_t{0};
   bool loads_images = false;
-  bool drifts = false;  // the hidden counter counts twice in the last step before a checkpoint
+  bool drifts = false;   // the hidden counter counts twice in the last step before a checkpoint
+  bool is_late = false;  // the first load lets a value change five steps later
 };
 SavingPlan plan;
 std::mutex loads_lock;
@@ -38,6 +39,7 @@ class SavingToy : public ToySimulation {
       if (stage != move_stage) return;
       if (++steps_ % 20 == 0) self.bodies[0].hits += 1;
       if (++tick_ % interval == 0 && plan.drifts) ++steps_;
+      if (steps_to_change_ > 0 && --steps_to_change_ == 0) self.bodies[0].hits += 1;
     };
   }
 
@@ -62,6 +64,7 @@ class SavingToy : public ToySimulation {
     }
     if (save.size() < 4) return Error{ErrorCode::usage, "a save of another size", ""};
     tick_ = tick;
+    if (plan.is_late && !std::exchange(is_loaded_, true)) steps_to_change_ = 5;
     if (!plan.forgets) steps_ = ByteReader(save).u32();
     return ToySimulation::load(save.subspan(4));
   }
@@ -69,6 +72,8 @@ class SavingToy : public ToySimulation {
  private:
   std::uint32_t steps_ = 0;  // in no column
   std::uint64_t tick_ = 0;
+  std::uint32_t steps_to_change_ = 0;
+  bool is_loaded_ = false;
 };
 
 SimulationInfo saving_info() {
@@ -269,6 +274,142 @@ TEST_CASE("saves: a simulation that cannot give one ends the recording, which ke
   plan.fails_at = 0;
   CHECK(!record_saving(folder.file("first.ttr"), saving_setup(false)));
   CHECK(read_file(folder.file("first.ttr")).empty());
+  plan = {};
+}
+
+namespace {
+
+Report sync_report(ByteView trace, const SimulationInfo& info, std::uint64_t ticks, std::uint64_t from = 0) {
+  VerifyOptions options = verify_options(info);
+  options.sync_ticks = ticks;
+  options.from = from;
+  options.thread_count = 3;  // in order all the same
+  options.in_segments = true;
+  return verify_bytes(trace, options);
+}
+
+}  // namespace
+
+TEST_CASE("sync test: every tick runs twice, for every number of ticks at once", "[verifier][sync][equivalence]") {
+  plan = {};
+  const Bytes trace = saving_trace(saving_setup(true));
+  plan.save_interval = 1;
+  struct Row {
+    std::uint64_t ticks;
+    std::size_t load_count;  // every other second run of several ticks, and the first, begins twice
+  };
+  for (const auto& [ticks, load_count] :
+       {Row{1, 100}, Row{3, 34 + 17}, Row{7, 15 + 8}, Row{64, 2 + 1}, Row{100, 1 + 1}, Row{1'000, 1 + 1}}) {
+    CAPTURE(ticks);
+    loads.clear();
+    const Report report = sync_report(trace, saving_info(), ticks);
+    CAPTURE(report.reason);
+    CHECK(report.verdict == Verdict::match);
+    CHECK(report.ticks_compared == recorded_ticks);
+    REQUIRE(report.notes.size() == 1);
+    CHECK(report.notes[0] == "sync test: 100 ticks ran twice with the same state");
+    CHECK(loads.size() == load_count);
+  }
+  const Report late = sync_report(trace, saving_info(), 4, 35);
+  CHECK(late.verdict == Verdict::match);
+  CHECK(late.ticks_compared == recorded_ticks - 35);
+  CHECK(late.notes[0] == "sync test: 70 ticks ran twice with the same state");  // from the save of tick 30 on
+}
+
+TEST_CASE("sync test: what load forgets is state_incomplete with tick, table, column and the save",
+          "[verifier][sync][injection]") {
+  plan = {};
+  const Bytes trace = saving_trace(saving_setup(true));
+  plan.save_interval = 1;
+  plan.forgets = true;
+  int second_count = 0;
+  // The hidden count of 20 is in step again behind 20 ticks: found since every other run begins twice.
+  for (const std::uint64_t ticks : {1, 3, 7, 10, 20, 100}) {
+    CAPTURE(ticks);
+    const Report report = sync_report(trace, saving_info(), ticks);
+    CHECK(report.verdict == Verdict::state_incomplete);
+    REQUIRE(report.divergence);
+    const std::uint64_t tick = report.divergence->tick;
+    REQUIRE(report.checkpoint);
+    CHECK(*report.checkpoint % ticks == 0);
+    CHECK(*report.checkpoint <= tick);
+    // The count that load left shows in a second run, or in the first run of the ticks behind it.
+    const bool is_second = tick < *report.checkpoint + ticks;
+    CHECK(report.reason ==
+          "tick " + std::to_string(tick) +
+              (is_second
+                   ? " ended in two states: the second run began with the save of tick "
+                   : " is as recorded where no tick runs twice, and not behind the second run that began with tick ") +
+              std::to_string(*report.checkpoint));
+    second_count += is_second ? 1 : 0;
+    CHECK(contains(report.hint, "not in what save gives"));
+    REQUIRE(report.divergence->tables.size() == 1);
+    CHECK(report.divergence->tables[0].columns == std::vector<std::string>{"hits"});
+    REQUIRE(report.divergence->rows.size() == 1);
+    CHECK(report.divergence->rows[0].expected != report.divergence->rows[0].got);
+    REQUIRE(!report.again.empty());
+    CHECK(contains(report.again[0], " --sync-test " + std::to_string(ticks) + " --from "));
+  }
+  CHECK(second_count >= 3);
+  plan = {};
+}
+
+TEST_CASE("sync test: without saves the state comes back from its columns", "[verifier][sync][analytic]") {
+  plan = {};
+  SimulationInfo info = saving_info();
+  info.has_saves = false;
+  const Bytes trace = saving_trace(saving_setup(true));
+  CHECK(sync_report(trace, info, 5).verdict == Verdict::not_comparable);
+  plan.loads_images = true;
+  const Report hidden = sync_report(trace, info, 20);
+  CHECK(hidden.verdict == Verdict::state_incomplete);
+  CHECK(contains(hidden.reason, "began with the state of tick "));
+  CHECK(contains(hidden.hint, "is in no column"));
+  const Bytes plain = toy_trace(toy_setup(5), 40);
+  const Report whole = sync_report(plain, toy_info, 7);
+  CHECK(whole.verdict == Verdict::match);
+  CHECK(whole.notes == std::vector<std::string>{"sync test: 40 ticks ran twice with the same state"});
+  plan = {};
+}
+
+TEST_CASE("sync test: what goes wrong behind a second run is no divergence", "[verifier][sync][injection]") {
+  plan = {};
+  const Bytes trace = saving_trace(saving_setup(true));
+  plan.save_interval = 1;
+  plan.is_late = true;
+  const Report late = sync_report(trace, saving_info(), 3);
+  CHECK(late.verdict == Verdict::state_incomplete);
+  CHECK(late.checkpoint == 0);
+  CHECK(contains(late.reason, "tick 3 is as recorded where no tick runs twice"));
+  REQUIRE(late.divergence);
+  CHECK(late.divergence->tick == 3);
+  CHECK(late.divergence->tables.at(0).columns == std::vector<std::string>{"hits"});
+  // A build that gives other bits diverges as in any verification.
+  plan = {};
+  plan.save_interval = 1;
+  plan.drifts = true;
+  const Report other = sync_report(trace, saving_info(), 3);
+  CHECK(other.verdict == Verdict::diverged);
+  REQUIRE(other.divergence);
+  CHECK(other.divergence->tick == 18);
+  plan = {};
+}
+
+TEST_CASE("sync test: a save that is missing makes no match, one that fails is told", "[verifier][sync][analytic]") {
+  plan = {};
+  const Bytes trace = saving_trace(saving_setup(false));
+  const Report few = sync_report(trace, saving_info(), 1);
+  CHECK(few.verdict == Verdict::incomplete);
+  CHECK(few.reason == "sync test: 90 times there was no save");
+  plan.save_interval = 0;
+  CHECK(sync_report(trace, saving_info(), 1).verdict == Verdict::incomplete);
+  plan.save_interval = 1;
+  plan.fails_at = 30;
+  const Report fails = sync_report(trace, saving_info(), 6);
+  CHECK(fails.verdict == Verdict::state_incomplete);
+  CHECK(fails.reason == "no room for a save");
+  REQUIRE(fails.divergence);
+  CHECK(fails.divergence->tick == 30);
   plan = {};
 }
 

@@ -4,12 +4,15 @@
 
 #include "base/hash.h"
 #include "base/plain_text.h"
+#include "base/state/child_tables.h"
 #include "base/state/state_view.h"
 #include "tool/output/cli.h"
 #include "tool/output/json_output.h"
 #include "tool/output/trace_text.h"
 #include "tool/session/plugin_session.h"
+#include "verifier/locate/locate_contents.h"
 #include "verifier/plugins/plugin.h"
+#include "verifier/report/content_text.h"
 
 namespace ticktrue::cli {
 namespace {
@@ -29,28 +32,45 @@ std::string value_text(const TableSchema& table, ByteView rows, std::size_t row,
   return text;
 }
 
-/// Calls `row` for each row of each table: table, index, its little-endian rows.
-template <typename Row>
-void for_each_row(const StateView& state, Row row) {
-  Bytes image;
-  encode_image(state, image);
-  const Result<std::vector<ImageTable>> tables = split_image(*state.schema, image);
-  if (!tables) return;
-  for (std::size_t t = 0; t < tables->size(); ++t)
-    for (std::size_t r = 0; r < (*tables)[t].row_count; ++r) row(t, r, (*tables)[t].rows);
+/// Calls `row` for each row of each table: table, index, its little-endian rows. Texts and strings of bytes are put
+/// together: calls `content` for each.
+template <typename Row, typename Content>
+void for_each_row(const StateView& state, Row row, Content content) {
+  Bytes buffer;
+  const std::vector<ImageTable> tables = canonical_tables(state, buffer);
+  for (std::size_t t = 0; t < tables.size(); ++t) {
+    if (has_pieces(state.schema->tables[t])) {
+      for (const verifier::Content& one : verifier::contents_of(*state.schema, tables, t)) content(t, one);
+      continue;
+    }
+    for (std::size_t r = 0; r < tables[t].row_count; ++r) row(t, r, tables[t].rows);
+  }
+}
+
+bool holds_text(const TableSchema& table) {
+  return table.form == TableForm::text;
 }
 
 std::string state_text(const Simulation& simulation, std::uint64_t tick, double time_s) {
   const StateView& state = simulation.state();
   std::string text = fmt::format("tick {}  {:.4f} s  {}\n", tick, time_s, hex64(root_hash(state)));
-  for_each_row(state, [&](std::size_t t, std::size_t r, ByteView rows) {
-    const TableSchema& table = state.schema->tables[t];
-    const std::string name = simulation.row_name(t, r);
-    text += fmt::format("  {} {}{}", table.name, r, name.empty() ? "" : " (" + plain_line(name) + ")");
-    for (std::size_t c = 0; c < table.columns.size(); ++c)
-      text += fmt::format("  {} {}", table.columns[c].name, value_text(table, rows, r, c));
-    text += "\n";
-  });
+  for_each_row(
+      state,
+      [&](std::size_t t, std::size_t r, ByteView rows) {
+        const TableSchema& table = state.schema->tables[t];
+        const std::string name = simulation.row_name(t, r);
+        text += fmt::format("  {} {}{}", table.name, r, name.empty() ? "" : " (" + plain_line(name) + ")");
+        for (std::size_t c = 0; c < table.columns.size(); ++c)
+          text += fmt::format("  {} {}", table.columns[c].name, value_text(table, rows, r, c));
+        text += "\n";
+      },
+      [&](std::size_t t, const verifier::Content& content) {
+        const bool is_cut = content.bytes.size() > verifier::hex_bytes_max;
+        text += fmt::format("  {}  {}\n", plain_line(content.place),
+                            holds_text(state.schema->tables[t])
+                                ? plain_line(verifier::quoted(content.bytes))
+                                : verifier::hex_bytes(content.bytes) + (is_cut ? " ..." : ""));
+      });
   return text;
 }
 
@@ -62,14 +82,27 @@ Json state_json(const Simulation& simulation, std::uint64_t tick, double time_s)
   line["hash"] = hex64(root_hash(state));
   line["tables"] = Json::object();
   for (const TableSchema& table : state.schema->tables) line["tables"][table.name] = Json::array();
-  for_each_row(state, [&](std::size_t t, std::size_t r, ByteView rows) {
-    const TableSchema& table = state.schema->tables[t];
-    Json row;
-    if (const std::string name = simulation.row_name(t, r); !name.empty()) row["name"] = name;
-    // As text: exact, also where a number of JSON would be rounded.
-    for (std::size_t c = 0; c < table.columns.size(); ++c) row[table.columns[c].name] = value_text(table, rows, r, c);
-    line["tables"][table.name].push_back(std::move(row));
-  });
+  for_each_row(
+      state,
+      [&](std::size_t t, std::size_t r, ByteView rows) {
+        const TableSchema& table = state.schema->tables[t];
+        Json row;
+        if (const std::string name = simulation.row_name(t, r); !name.empty()) row["name"] = name;
+        // As text: exact, also where a number of JSON would be rounded.
+        for (std::size_t c = 0; c < table.columns.size(); ++c)
+          row[table.columns[c].name] = value_text(table, rows, r, c);
+        line["tables"][table.name].push_back(std::move(row));
+      },
+      [&](std::size_t t, const verifier::Content& content) {
+        const TableSchema& table = state.schema->tables[t];
+        Json object;
+        object["place"] = content.place;
+        if (holds_text(table))
+          object["text"] = content.bytes;
+        else
+          object["bytes"] = verifier::hex_text(content.bytes);
+        line["tables"][table.name].push_back(std::move(object));
+      });
   return line;
 }
 

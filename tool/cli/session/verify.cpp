@@ -66,6 +66,7 @@ struct VerifyCommand {
   std::string builds;                  // a folder with builds of it
   std::string inputs;                  // of scenes
   std::optional<std::uint64_t> tick_count;
+  std::optional<std::uint64_t> sync_ticks;
 };
 
 std::string mode_help() {
@@ -100,6 +101,7 @@ Report verify_file(const std::string& file, const VerifyCommand& command, unsign
   how.from = options.from;
   how.to = options.to;
   how.to_end = options.to_end;
+  how.sync_ticks = command.sync_ticks.value_or(0);
   how.in_segments = command.jobs != 1;
   how.thread_count = thread_count;
   how.engine_threads = static_cast<unsigned>(command.thread_count);
@@ -358,6 +360,9 @@ Status check_options(const VerifyCommand& command) {
   if (command.to_end && command.mode != "restore")
     return refuse("--to-end: found --mode " + command.mode + ", expected restore",
                   "the other modes always run to the end");
+  if (command.sync_ticks && command.mode != "replay")
+    return refuse("--sync-test: found --mode " + command.mode + ", expected replay",
+                  "it brings the run back after each K ticks, and runs them again");
   if (command.mode == "twice" && command.from)
     return refuse("--from: found --mode twice, expected replay or restore", "both runs begin with the setup");
   if (command.program) {
@@ -365,6 +370,7 @@ Status check_options(const VerifyCommand& command) {
                                                    {"--from", command.from.has_value()},
                                                    {"--to", command.to.has_value()},
                                                    {"--threads", command.thread_count != 1},
+                                                   {"--sync-test", command.sync_ticks.has_value()},
                                                    {"--against-plugin", !command.other_plugin.empty()},
                                                    {"--against-build", !command.other_build.empty()}};
     for (const auto& [name, is_given] : others)
@@ -379,6 +385,10 @@ Status check_options(const VerifyCommand& command) {
   if (!command.other_plugin.empty() && !command.other_build.empty())
     return refuse("--against-plugin: found --against-build as well, expected one of them");
   const bool is_against = !command.other_build.empty() || !command.other_plugin.empty();
+  if (is_against && command.sync_ticks)
+    return refuse(std::string("--sync-test: found ") +
+                  (command.other_build.empty() ? "--against-plugin" : "--against-build") +
+                  " as well, expected one of them");
   if (is_against && command.mode != "replay")
     return refuse((command.other_build.empty() ? "--against-plugin: found --mode " : "--against-build: found --mode ") +
                   command.mode + ", expected replay");
@@ -476,6 +486,10 @@ void add_verify(CLI::App& app, CliContext& context) {
   add_number(*command, "--to", options->to, "Last tick to compare; the trace is not read beyond it");
   command->add_flag("--to-end", options->to_end,
                     "With --mode restore: run from each checkpoint to the end, not only to the next checkpoint");
+  add_number(*command, "--sync-test", options->sync_ticks,
+             "After each N ticks go back to the state before them, by load, and run them again: both runs must end in "
+             "one state, as after a rollback. In order, on one thread",
+             {1, limits::tick_count_max});
   add_number(*command, "-j,--jobs", options->jobs,
              "Threads: for the files, and within one for the segments between its checkpoints (default: every core; "
              "1: in order from the start, without loading a checkpoint)",
@@ -535,6 +549,7 @@ void add_verify(CLI::App& app, CliContext& context) {
                "ticktrue verify stack.ttr\n"
                "ticktrue verify stack.ttr --mode restore\n"
                "ticktrue verify stack.ttr --from 200 --to 300\n"
+               "ticktrue verify stack.ttr --sync-test 7\n"
                "ticktrue verify 'stack?boxes=10' --mode twice --ticks 300\n"
                "ticktrue verify . -j 2 --json\n"
                "ticktrue verify . --shard 1/2 --junit results.xml --github\n"

@@ -1,4 +1,4 @@
-// The ticks that a session runs twice: from a save on, and again after the save was loaded.
+// Ticks that run twice: from a save on, then again after that save was loaded. What the first run gave is kept.
 // SPDX-License-Identifier: MIT
 #pragma once
 
@@ -10,7 +10,7 @@
 #include "base/state/kept_state.h"
 #include "base/state/state_view.h"
 
-namespace ticktrue::capi {
+namespace ticktrue {
 
 /// A tick of the first run.
 struct FirstRunTick {
@@ -24,7 +24,7 @@ struct FirstRunTick {
   }
 };
 
-/// The save that brings the program back, and the state that it must have after loading.
+/// What brings the program or simulation back, and the state that it must then be in.
 struct SecondRunBegin {
   std::uint64_t tick = 0;
   Bytes save;
@@ -33,7 +33,7 @@ struct SecondRunBegin {
 
 class SecondRun {
  public:
-  /// Begins a first run. The program is in `state` after `tick` ticks, and `save` brings it back.
+  /// The simulation is in `state`, with `tick` ticks done; `save` brings it back.
   void open(std::uint64_t tick, Bytes save, const StateView& state);
   void close();
   bool is_open() const { return begin_.has_value(); }
@@ -62,4 +62,4 @@ class SecondRun {
   bool is_second_ = false;
 };
 
-}  // namespace ticktrue::capi
+}  // namespace ticktrue

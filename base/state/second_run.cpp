@@ -1,11 +1,11 @@
 // Stores the results of the first run of some ticks.
 // SPDX-License-Identifier: MIT
-#include "capi/second_run.h"
+#include "base/state/second_run.h"
 
 #include <algorithm>
 #include <utility>
 
-namespace ticktrue::capi {
+namespace ticktrue {
 
 void SecondRun::open(std::uint64_t tick, Bytes save, const StateView& state) {
   close();
@@ -39,4 +39,4 @@ void SecondRun::drop_from(std::uint64_t tick) {
     if (ticks_.back().state) size_ -= ticks_.back().state->size();
 }
 
-}  // namespace ticktrue::capi
+}  // namespace ticktrue

@@ -1,6 +1,6 @@
 // Lends simulations and takes them back.
 // SPDX-License-Identifier: MIT
-#include "verifier/verify/simulation_pool.h"
+#include "verifier/inject/simulation_pool.h"
 
 #include <utility>
 
