@@ -346,8 +346,8 @@ TEST_CASE("joints of every kind keep limits, motors and springs", "[verifier][im
 
 TEST_CASE("a gear couples two joints of the file, in any order", "[verifier][import_rube]") {
   const auto file = [](const std::string& gear, const std::string& second) {
-    const std::string bodies = R"({"name":"ground","type":0,)" + disc + R"(},{"name":"a","type":2,)" + disc +
-                               R"(},{"name":"b","type":2,)" + disc + "}";
+    const std::string bodies = R"({"name":"ground","type":0,)" + disc + R"(},{"name":"a","type":2,"awake":true,)" +
+                               disc + R"(},{"name":"b","type":2,"awake":true,)" + disc + "}";
     return imported(world_of(bodies, R"({"name":"g","type":"gear","bodyA":1,"bodyB":2,)" + gear + R"(},)" +
                                          R"({"name":"rope","type":"rope","bodyA":1,"bodyB":2,"maxLength":9},)" +
                                          R"({"name":"p","type":"revolute","bodyA":0,"bodyB":1},)" +

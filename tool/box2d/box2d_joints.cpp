@@ -306,9 +306,8 @@ b2Joint* make_pulley(const Making& making) {
 // ---- Gear ----
 
 // Box2D 2.4.1 loads the velocities of the four bodies, and stores the velocity of a body that comes twice only once.
-const char* refuse_gear(const b2Joint* first, const b2Joint* second) {
-  const b2Body* bodies[2][2] = {{const_cast<b2Joint*>(first)->GetBodyA(), const_cast<b2Joint*>(first)->GetBodyB()},
-                                {const_cast<b2Joint*>(second)->GetBodyA(), const_cast<b2Joint*>(second)->GetBodyB()}};
+const char* refuse_gear(b2Joint* first, b2Joint* second) {
+  const b2Body* const bodies[2][2] = {{first->GetBodyA(), first->GetBodyB()}, {second->GetBodyA(), second->GetBodyB()}};
   for (const b2Body* a : bodies[0])
     for (const b2Body* b : bodies[1])
       if (a == b && a->GetType() == b2_dynamicBody) return "Box2D 2.4.1 has no gears whose joints share a moving body";

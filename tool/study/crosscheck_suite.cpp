@@ -370,6 +370,33 @@ Scene hanging_bridge() {
   return built.scene;
 }
 
+// A heavy box on a vertical slider descends onto the floor. By gears it lifts a light box twice as far and turns a
+// disc.
+Scene gear_lift() {
+  Builder built;
+  built.tower(-2, 1, 1, 1, 1, 4);
+  built.tower(2, 0, 1, 1, 1);
+  built.add({0, 3}, worlds::disc(0.5));
+  built.add_static({0, 3}, box(0.2, 0.2));
+  engine::Joint slider = worlds::joint(JointKind::prismatic, 0, 1, {-2, 2.5}, {0, 0});
+  slider.axis = {0, 1};
+  slider.collide_connected = true;
+  built.scene.joints.push_back(slider);
+  slider.body_b = 2;
+  slider.anchor_a = {2, 1.5};
+  built.scene.joints.push_back(slider);
+  built.pin(4, 3, {0, 0}, {0, 0});
+  engine::Joint gear;
+  gear.kind = JointKind::gear;
+  gear.joint_a = 0;
+  gear.joint_b = 1;
+  gear.ratio = 0.5;
+  built.scene.joints.push_back(gear);
+  gear.joint_b = 2;
+  built.scene.joints.push_back(gear);
+  return built.scene;
+}
+
 // ---- Scenes that need more than 4 substeps, and more than plain steps in Box2D ----
 
 Scene by_default(Builder built) {
@@ -434,7 +461,7 @@ Scene lintel() {
   return by_default(std::move(built));
 }
 
-constexpr std::array<SuiteScene, 45> scenes{{
+constexpr std::array<SuiteScene, 46> scenes{{
     {"tower_5", "stands", 10, tower<5>},
     {"tower_10", "stands", 10, tower<10>},
     {"tower_15", "stands", 10, tower<15>},
@@ -470,6 +497,7 @@ constexpr std::array<SuiteScene, 45> scenes{{
     {"lever_tips", "tips to the heavy side", 10, lever_tips},
     {"hanging_chain", "hangs", 10, hanging_chain},
     {"hanging_bridge", "sags into a curve", 10, hanging_bridge},
+    {"gear_lift", "lands, and lifts the other box", 10, gear_lift},
     {"default_tower_20", "stands", 10, default_tower<20>, true},
     {"default_tower_30", "stands", 10, default_tower<30>, true},
     {"default_slabs", "stands", 10, default_slabs, true},

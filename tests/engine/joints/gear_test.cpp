@@ -1,5 +1,5 @@
-// Gears against closed forms: pairs and trains of discs, racks, free frames, many turns; removal, islands, refused
-// scenes. SPDX-License-Identifier: MIT
+// Gears against closed forms: pairs, trains and racks, free frames, many turns; removal, islands, refused scenes.
+// SPDX-License-Identifier: MIT
 //
 // c_a + r c_b = constant. Forces l on c_a and r l on c_b hold it. Under a torque T on the first of two pinned discs,
 // I_a w_a' = T + l, I_b w_b' = r l and w_a + r w_b = 0 give w_a' = T / (I_a + I_b / r^2).
