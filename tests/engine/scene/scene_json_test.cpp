@@ -431,12 +431,13 @@ TEST_CASE("bad input lines are refused with file, line and reason", "[engine][sc
 
 TEST_CASE("impacts are located automatically where a pair has restitution 1", "[engine][scene_json][analytic]") {
   // A ball above a floor. The settings come before the bodies in the text.
-  const auto scene_of = [](const std::string& settings, const std::string& ball, const std::string& floor) {
-    const auto scene =
-        parse_scene("{\"settings\":{" + settings +
-                        "},\"bodies\":[{\"position\":[0,5],\"shapes\":[{\"type\":\"circle\",\"radius\":1" + ball +
-                        "}]},{\"type\":\"static\",\"shapes\":[{\"type\":\"box\",\"half_size\":[9,1]" + floor + "}]}]}",
-                    "s.json");
+  const auto text_of = [](const std::string& settings, const std::string& ball, const std::string& floor) {
+    return "{\"settings\":{" + settings +
+           "},\"bodies\":[{\"position\":[0,5],\"shapes\":[{\"type\":\"circle\",\"radius\":1" + ball +
+           "}]},{\"type\":\"static\",\"shapes\":[{\"type\":\"box\",\"half_size\":[9,1]" + floor + "}]}]}";
+  };
+  const auto scene_of = [&](const std::string& settings, const std::string& ball, const std::string& floor) {
+    const auto scene = parse_scene(text_of(settings, ball, floor), "s.json");
     if (!scene) FAIL(scene.error().message);
     return *scene;
   };
@@ -451,7 +452,7 @@ TEST_CASE("impacts are located automatically where a pair has restitution 1", "[
   // Other integrators locate no impacts: true is refused there, and auto is off.
   const std::string verlet = R"(,"integrator":"velocity_verlet")";
   CHECK_FALSE(scene_of(automatic + verlet, full, full).settings.locate_impacts);
-  CHECK_THAT(json_refusal("{\"settings\":{\"locate_impacts\":true" + verlet + "}}"),
+  CHECK_THAT(json_refusal(text_of(R"("locate_impacts":true)" + verlet, full, full)),
              Contains("settings.locate_impacts"));
   CHECK(json_refusal(R"({"settings":{"locate_impacts":"always"}})") ==
         R"(s.json: settings.locate_impacts: wrong type: found "always", expected true, false or "auto")");

@@ -37,6 +37,7 @@ TEST_CASE("a chain swings in engine_run as it does in this process", "[verifier]
   Scene scene = verifier::worlds::chain(Precision::f32, 5, {1, 0}, 1);
   scene.bodies.push_back(scene.bodies[1]);
   scene.bodies.back().type = engine::BodyType::kinematic_body;
+  scene.bodies.back().mass.reset();
   scene.bodies.back().position = {50, 3};
   scene.bodies.back().velocity = {1, 2};
   scene.bodies.back().angular_velocity = 0.5;
