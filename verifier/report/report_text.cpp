@@ -33,7 +33,7 @@ std::string content_side(bool is_text, std::uint64_t first, std::uint64_t offset
     const std::string_view behind = std::string_view(bytes).substr(skipped);
     return hex_bytes(behind) + (offset + std::min(behind.size(), hex_bytes_max) < size ? " ..." : "");
   }
-  return (first > 0 ? "..." : "") + quoted(bytes) + (first + bytes.size() < size ? "..." : "");
+  return (first > 0 ? "..." : "") + verifier::quoted(bytes) + (first + bytes.size() < size ? "..." : "");
 }
 
 std::size_t utf8_size(std::string_view text) {
