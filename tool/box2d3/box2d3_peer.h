@@ -24,10 +24,10 @@ class Box2d3Peer : public Box2dPeer {
   virtual double ms_per_tick() const = 0;
 };
 
-/// Runs the whole plan in a child process. Contact forces are those of the last substep; separations are those that Box2D found
-/// at the start of the last step. Bodies never sleep.
-/// Errors: unsupported (the scene: joints, shapes or forces that Box2D 3 lacks); usage (no node, no package, a wrong
-/// folder); limit (an answer that would be too large); io (node fails, hangs or prints too much); corrupt (its answer).
+/// Runs the whole plan in a child process. Contact forces are those of the last substep; separations are those that
+/// Box2D found at the start of the last step. Bodies never sleep. Errors: unsupported (the scene: joints, shapes or
+/// forces that Box2D 3 lacks); usage (no node, no package, a wrong folder); limit (an answer that would be too large);
+/// io (node fails, hangs or prints too much); corrupt (its answer).
 Result<std::unique_ptr<Box2d3Peer>> make_box2d3_peer(const engine::Scene& scene, const Box2d3Options& options,
                                                      const Box2d3Plan& plan);
 

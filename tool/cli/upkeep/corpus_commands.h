@@ -8,8 +8,8 @@
 #include <string>
 #include <vector>
 
-#include "tool/corpus/run/corpus_run.h"
 #include "tool/corpus/program_subject.h"
+#include "tool/corpus/run/corpus_run.h"
 #include "tool/output/cli.h"
 
 namespace ticktrue::cli {
