@@ -11,9 +11,9 @@
 #include "engine/json/json_tree.h"
 #include "engine/json/number_text.h"
 #include "engine/math/trig.h"
-#include "engine/scene/bounces.h"
 #include "engine/scene/json_reader.h"
 #include "engine/scene/scene_fields.h"
+#include "engine/scene/scene_rules.h"
 
 namespace ticktrue::engine {
 namespace {

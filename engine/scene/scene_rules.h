@@ -18,6 +18,13 @@ namespace ticktrue::engine {
 
 bool declares(const Scene& scene, InputKind kind);
 
+/// The largest restitution of two shapes that may touch; 0 if there are none. Filters and joints do not count.
+double largest_restitution(const Scene& scene);
+
+/// What `"locate_impacts": "auto"` of a scene file stands for: whether some pair has restitution 1, and the scene may
+/// have its impacts located.
+bool locates_bounces(const Scene& scene);
+
 /// Whether the number `kind`, which may come from outside, is a row of the table.
 template <typename Table, typename Kind>
 bool is_row(const Table& table, Kind kind) {

@@ -2,7 +2,6 @@
 // SPDX-License-Identifier: MIT
 #include <algorithm>
 
-#include "engine/scene/bounces.h"
 #include "engine/scene/scene_rules.h"
 
 namespace ticktrue::engine {

@@ -287,7 +287,8 @@ TEST_CASE("the layout of the structs is the one that programs were built with", 
   CHECK(offsetof(ticktrue_member, offset) == 16);
   CHECK(sizeof(ticktrue_member) == 32);
   CHECK(offsetof(ticktrue_host, column) == 16);
-  CHECK(sizeof(ticktrue_host) == 48);
+  CHECK(offsetof(ticktrue_host, table) == 48);
+  CHECK(sizeof(ticktrue_host) == 88);
   CHECK(offsetof(ticktrue_plugin, name) == 16);
   CHECK(offsetof(ticktrue_plugin, create) == 40);
   CHECK(offsetof(ticktrue_plugin, inputs_text) == 104);

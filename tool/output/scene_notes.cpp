@@ -7,8 +7,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "engine/scene/bounces.h"
 #include "engine/scene/hull.h"
+#include "engine/scene/scene_rules.h"
 
 namespace ticktrue::verifier {
 namespace {
