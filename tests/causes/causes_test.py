@@ -147,6 +147,10 @@ class Gallery:
     def mistake(self, folder, name, rows, function, kind):
         self.require(name)
         report = self.shake(folder, self.words(name), self.options() + ["--class", "A,B"], [1, 6])
+        if name == "cycle_counter":
+            for row in report["perturbations"]:
+                if row["name"] == name and row["outcome"] == "not_applicable" and "does not trap" in row["reason"]:
+                    raise Skipped(row["reason"])
         moved = {row["name"]: row for row in report["perturbations"] if row["outcome"] not in
                  ("same", "not_applicable", "not_run")}
         named = [row for row in rows if row in moved or row in report["fixed_by"]]

@@ -17,6 +17,7 @@ struct Facts {
   std::string folder;                   // folder for files
   bool is_this_tool = false;            // `ticktrue verify` runs the trace
   bool is_x86_64 = false;               // of this build
+  std::string no_cycle_trap;            // why rdtsc cannot be replaced; empty: the kernel and the processor trap it
   bool has_interpreter = false;         // the program uses an interpreter with hash seeds
   bool has_math_library = false;        // the program's file mentions numpy, OpenBLAS or MKL
   std::string no_shim;                  // why the preload library cannot be used; empty: usable

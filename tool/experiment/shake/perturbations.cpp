@@ -109,7 +109,8 @@ std::string needs_process_namespace(const Facts& facts) {
 }
 
 std::string needs_cycle_counter(const Facts& facts) {
-  return facts.is_x86_64 ? facts.no_shim : "x86-64 only";
+  if (!facts.is_x86_64) return "x86-64 only";
+  return facts.no_shim.empty() ? facts.no_cycle_trap : facts.no_shim;
 }
 
 template <BuildKind kind>
