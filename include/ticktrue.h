@@ -343,9 +343,9 @@ typedef struct ticktrue_host {
   /* To be called in step: the stage with this index has ended. */
   void (*stage_done)(ticktrue_stages* stages, uint32_t stage);
   /* Since version 5 of this interface. As ticktrue_table, ticktrue_rows, ticktrue_child, ticktrue_text and
-     ticktrue_bytes, without shown columns. Values may be written to `base`, as to `data` of a column. Elements are asked
-     for behind create, step, save and load, when `columns` has returned. A simulation with child tables is brought back
-     by `load` of the plug-in alone. */
+     ticktrue_bytes, without shown columns. Values may be written to `base`, as to `data` of a column. Elements are
+     asked for behind create, step, save and load, when `columns` has returned. A simulation with child tables is
+     brought back by `load` of the plug-in alone. */
   uint32_t (*table)(ticktrue_columns* columns, const char* name, size_t stride, const ticktrue_member* members,
                     uint32_t member_count);
   int (*rows)(ticktrue_columns* columns, uint32_t table, void* base, uint32_t rows);

@@ -1,4 +1,4 @@
-// Calls save and load of a program or plug-in. A write behind the buffer, a wrong result and an exception become errors.
+// Calls save and load of a program or plug-in. A write behind the buffer, a wrong result and exceptions are errors.
 // SPDX-License-Identifier: MIT
 #include "base/state/save_calls.h"
 

@@ -49,8 +49,8 @@ double soft_contacts(double dt) {
 const std::array<PeerInfo, 2> peers{{
     {PeerKind::box2d2, "box2d2", "Box2D 2.4.1, in this process", "8/3 iterations", "2 m or 90 degrees a step",
      version_of_box2d2, make_box2d2, rigid_contacts},
-    {PeerKind::box2d3, "box2d3", "Box2D 3, as installed, or npm's box2d3-wasm in node", "4 substeps", "400 m/s or 45 degrees a substep",
-     box2d3_version, make_box2d3, soft_contacts},
+    {PeerKind::box2d3, "box2d3", "Box2D 3, as installed, or npm's box2d3-wasm in node", "4 substeps",
+     "400 m/s or 45 degrees a substep", box2d3_version, make_box2d3, soft_contacts},
 }};
 
 }  // namespace ticktrue::verifier

@@ -54,8 +54,10 @@ Json peer_json(const std::vector<verifier::PeerCurves>& scenes, const std::vecto
     const std::string_view verdict = !scene.is_judged ? "not_judged" : scene.holds ? "pass" : "fail";
     Json row{{"scene", scene.name}, {"measure", scene.measure}, {"verdict", verdict}};
     if (scene.peer != PeerKind::box2d2) row["peer"] = peer_name(scene.peer);
-    if (!scene.is_judged) row["time"] = "wasm, not comparable with native";
-    else if (scene.peer == PeerKind::box2d3) row["time"] = scene.peer_label == "Box2D 3" ? "native" : "wasm, both";
+    if (!scene.is_judged)
+      row["time"] = "wasm, not comparable with native";
+    else if (scene.peer == PeerKind::box2d3)
+      row["time"] = scene.peer_label == "Box2D 3" ? "native" : "wasm, both";
     row["ratio"] = number_json(scene.ratio);
     const auto points_json = [](const std::vector<verifier::PeerPoint>& points) {
       Json array = Json::array();
