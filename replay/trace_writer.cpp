@@ -41,7 +41,7 @@ Error refuse_third(const TraceSetup& setup, const std::string& path) {
   return {ErrorCode::unsupported,
           path +
               ": setup: format version 3 is needed (features, stage_interval, a type above f64, child tables or "
-              "shown columns), which is read and not written yet",
+              "shown columns), and this recording may use versions 1 and 2 alone",
           ""};
 }
 

@@ -1,4 +1,4 @@
-// Ticks that run twice: from a save on, then again after that save was loaded. What the first run gave is kept.
+// Ticks that run twice: from a save on, and again after the save was loaded. Keeps the result of the first run.
 // SPDX-License-Identifier: MIT
 #pragma once
 
@@ -24,7 +24,7 @@ struct FirstRunTick {
   }
 };
 
-/// What brings the program or simulation back, and the state that it must then be in.
+/// A save, and the state that the program or simulation must have after it was loaded.
 struct SecondRunBegin {
   std::uint64_t tick = 0;
   Bytes save;

@@ -21,7 +21,7 @@ struct Side {
   std::span<const ImageTable> tables;
 };
 
-/// What identifies a row over all states: id or number of the row at the top, then indices.
+/// Identifies a row in all states: id or number of the row at the top level, followed by indices.
 using Path = std::vector<std::uint64_t>;
 
 std::optional<Path> path_of(const Side& side, std::size_t t, std::size_t row, std::size_t depth);
@@ -213,7 +213,7 @@ void set_place(const Side& side, std::size_t t, std::size_t row, ContentDifferen
     content.id = lane_bits(table, side.tables[content.top.table].rows, {content.top.table, content.top.row, 0, 0});
 }
 
-/// Where one state stands in its pieces.
+/// The current position of one state in its pieces.
 struct Walk {
   const Side& side;
   std::size_t t;

@@ -23,7 +23,7 @@ struct DesyncPlayer {
   std::optional<std::uint64_t> root;
   std::optional<replay::TickInputs> inputs;
   std::optional<std::vector<ImageTable>> tables;  // the state, where it is known; must outlive this
-  bool lost_state = false;                        // the player keeps that tick no more
+  bool lost_state = false;                        // the player no longer has this tick
   std::vector<std::string> hashed;                // where the state is not known: what differs by its hashes
   replay::BuildFacts facts;                       // empty: no hello came
 };
@@ -54,7 +54,7 @@ struct DesyncFinding {
   std::vector<DesyncContent> contents;  // in table and owner order; the first of them
   std::uint64_t content_count = 0;      // of all
   bool is_cut = false;                  // more may differ than was sent
-  bool is_whole = false;                // the states of all players of which a root is known are compared
+  bool is_whole = false;                // the states of all players of which a root is known were compared
 };
 
 /// Fills lanes, contents and their counts from the states of the players.
