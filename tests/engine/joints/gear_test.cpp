@@ -162,9 +162,13 @@ TEST_CASE("a torque turns a pair of gears as their inertias and ratio say", "[en
           run_ticks(*engine, 120);
           const double acceleration = 6 / (0.5 + 2 / (ratio * ratio));
           const auto bodies = engine->bodies();
-          // thesis_verlet is one substep of 480 ahead.
-          CHECK(bodies[1].angular_velocity == Approx(2 * acceleration).epsilon(3e-3));
-          CHECK(bodies[3].angular_velocity == Approx(-2 * acceleration / ratio).epsilon(3e-3));
+          // The thesis' schemes begin differently: a free body under a torque has the same share.
+          const double substeps_ahead = integrator.kind == IntegratorKind::thesis_rk4      ? 1
+                                        : integrator.kind == IntegratorKind::thesis_verlet ? -0.5
+                                                                                           : 0;
+          const double seconds = 2 * (1 + substeps_ahead / 480);
+          CHECK(bodies[1].angular_velocity == Approx(seconds * acceleration).epsilon(1e-5));
+          CHECK(bodies[3].angular_velocity == Approx(-seconds * acceleration / ratio).epsilon(1e-5));
           CHECK(gear_coordinate(*engine, 0, 0) + ratio * gear_coordinate(*engine, 0, 1) == Approx(0).margin(0.01));
           CHECK(bodies[1].center.x == Approx(0).margin(1e-6));
           // The forces of the last substep: l = -T (I_b / r^2) / (I_a + I_b / r^2), and r l.
