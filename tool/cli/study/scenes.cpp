@@ -90,12 +90,16 @@ int run_random(const ScenesOptions& options) {
                             "ticktrue scenes --random 7 -o w.json --inputs w.jsonl"});
   const engine::RandomWorldOptions limits{static_cast<std::uint32_t>(options.body_count_max),
                                           static_cast<std::uint32_t>(options.tick_count_max)};
-  const engine::RandomWorld world = engine::random_world(*options.seed, limits);
+  engine::RandomWorld world = engine::random_world(*options.seed, limits);
+  // The soak runs such worlds, too. A file of one would be refused.
+  const bool is_too_far = !verifier::check_f32_reach(world.scene, options.output);
+  if (is_too_far) world.scene.settings.precision = engine::Precision::f64;
   if (const Status status = write_world(world, options); !status) return fail_usage(status.error());
   std::string rows;
   for (const std::string& row : world.rows) rows += (rows.empty() ? "" : " ") + row;
   print_note(fmt::format("random world {}: {} bodies, {} ticks, rows: {}", *options.seed, world.scene.bodies.size(),
                          world.tick_count, rows));
+  if (is_too_far) print_note("its bodies are too far from the origin for f32: the file says f64");
   if (options.output != "-" && !options.inputs.empty() && options.inputs != "-")
     print_note(fmt::format("next: ticktrue record {0} --inputs {1} -o {0}.ttr", options.output, options.inputs));
   return exit_ok;
