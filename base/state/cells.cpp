@@ -70,6 +70,22 @@ std::uint64_t sum_products_of_word(const std::uint32_t* words, std::size_t strid
   return sum;
 }
 
+/// Writes the lanes of a column as words, behind each other in each row of `out`.
+template <typename Value>
+void expand_lanes(const TableRows& rows, std::size_t row_size, const Column& column, std::size_t word_count,
+                  std::uint32_t* out) {
+  const std::uint8_t* row = rows.data + column.offset;
+  for (std::size_t r = 0; r < rows.row_count; ++r, row += row_size, out += word_count) {
+    std::uint32_t* word = out;
+    for (std::size_t i = 0; i < column.lane_count; ++i) {
+      Value value;
+      std::memcpy(&value, row + i * sizeof value, sizeof value);
+      *word++ = static_cast<std::uint32_t>(value);
+      if constexpr (sizeof value == 8) *word++ = static_cast<std::uint32_t>(value >> 32);
+    }
+  }
+}
+
 /// Owners up to `owner_count_max` share so many cells a partition.
 struct CellStep {
   std::uint64_t owner_count_max;
@@ -160,19 +176,26 @@ const std::uint32_t* CellHasher::words_of(std::size_t index, const TableRows& ro
   const TableSchema& described = schema_.tables[index];
   std::vector<std::uint32_t>& words = expanded_[index];
   words.resize(rows.row_count * table.words);
-  std::uint32_t* out = words.data();
-  for (std::size_t row = 0; row < rows.row_count; ++row)
-    for (const Column& column : described.columns) {
-      const std::size_t size = scalar_info(column.type)->size;
-      const std::uint8_t* lane = rows.data + row * described.row_size + column.offset;
-      for (std::size_t i = 0; i < column.lane_count; ++i, lane += size) {
-        std::uint64_t value = 0;
-        for (std::size_t byte = 0; byte < size; ++byte)
-          value |= std::uint64_t{lane[machine_is_little_endian ? byte : size - 1 - byte]} << (8 * byte);
-        *out++ = static_cast<std::uint32_t>(value);
-        if (size == 8) *out++ = static_cast<std::uint32_t>(value >> 32);
-      }
+  if (words.empty()) return words.data();
+  for (std::size_t c = 0; c < described.columns.size(); ++c) {
+    const Column& column = described.columns[c];
+    std::uint32_t* out = words.data() + table.column_word[c];
+    const std::size_t row_size = described.row_size;
+    switch (scalar_info(column.type)->size) {
+      case 1:
+        expand_lanes<std::uint8_t>(rows, row_size, column, table.words, out);
+        break;
+      case 2:
+        expand_lanes<std::uint16_t>(rows, row_size, column, table.words, out);
+        break;
+      case 4:
+        expand_lanes<std::uint32_t>(rows, row_size, column, table.words, out);
+        break;
+      default:
+        expand_lanes<std::uint64_t>(rows, row_size, column, table.words, out);
+        break;
     }
+  }
   return words.data();
 }
 

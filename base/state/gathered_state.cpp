@@ -3,6 +3,7 @@
 #include "base/state/gathered_state.h"
 
 #include <algorithm>
+#include <array>
 #include <cstring>
 #include <limits>
 
@@ -47,12 +48,13 @@ void copy_strided(const std::uint8_t* from, std::size_t from_stride, std::uint8_
   for (std::size_t row = 0; row < count; ++row, from += from_stride, to += to_stride) std::memcpy(to, from, size);
 }
 
-std::uint64_t key_value(const std::uint8_t* bytes, ScalarType type) {
+/// Requires: `size` is 1, 2, 4 or 8.
+std::uint64_t key_value(const std::uint8_t* bytes, std::size_t size) {
   std::uint8_t u8 = 0;
   std::uint16_t u16 = 0;
   std::uint32_t u32 = 0;
   std::uint64_t u64 = 0;
-  switch (scalar_info(type)->size) {
+  switch (size) {
     case 1:
       std::memcpy(&u8, bytes, 1);
       return u8;
@@ -62,11 +64,10 @@ std::uint64_t key_value(const std::uint8_t* bytes, ScalarType type) {
     case 4:
       std::memcpy(&u32, bytes, 4);
       return u32;
-    case 8:
+    default:
       std::memcpy(&u64, bytes, 8);
       return u64;
   }
-  return 0;
 }
 
 }  // namespace
@@ -545,16 +546,22 @@ Result<std::vector<ShownRows>> GatheredState::gather_shown() {
 
 Status GatheredState::check_keys(std::size_t t) const {
   const TableSchema& table = schema_.tables[t];
+  struct Key {
+    std::size_t offset;
+    std::size_t size;
+  };
+  std::array<Key, std::numeric_limits<std::uint8_t>::max()> keys;  // key_column_count is a std::uint8_t
+  for (std::size_t c = 0; c < table.key_column_count; ++c)
+    keys[c] = {table.columns[c].offset, scalar_info(table.columns[c].type)->size};
   const std::uint8_t* row = rows_[t].data();
   for (std::uint32_t r = 1; r < view_.tables[t].row_count; ++r, row += table.row_size) {
     for (std::size_t c = 0; c < table.key_column_count; ++c) {
-      const Column& column = table.columns[c];
-      const std::uint64_t before = key_value(row + column.offset, column.type);
-      const std::uint64_t here = key_value(row + table.row_size + column.offset, column.type);
+      const std::uint64_t before = key_value(row + keys[c].offset, keys[c].size);
+      const std::uint64_t here = key_value(row + table.row_size + keys[c].offset, keys[c].size);
       if (before < here) break;
       if (before == here && c + 1 < table.key_column_count) continue;
-      return refused(column_place(table, column) + ", row " + std::to_string(r) + ": keys must ascend: found " +
-                         std::to_string(here) + " after " + std::to_string(before),
+      return refused(column_place(table, table.columns[c]) + ", row " + std::to_string(r) +
+                         ": keys must ascend: found " + std::to_string(here) + " after " + std::to_string(before),
                      "sort the rows by key, or register the table without a key: rows then compare by position");
     }
   }
