@@ -22,7 +22,6 @@ namespace ticktrue::replay {
 inline constexpr std::uint16_t format_version_first = 1;
 inline constexpr std::uint16_t format_version_third = 3;  // adds bound content, lists of tables, traces that begin late
 inline constexpr std::uint16_t format_version = format_version_third;  // the newest version that is read
-inline constexpr std::uint16_t format_version_written = 2;             // of recordings without features of version 3
 
 /// How much a trace stores of each tick.
 enum class Detail : std::uint8_t { root = 1, cells = 2, full = 3 };

@@ -44,7 +44,7 @@ Json env_json(const verifier::FloatEnvironment& floats, const std::vector<verifi
   object["zstd"] = build.has_zstd;
   object["box2d"] = build.has_box2d;
   object["threads"] = build.has_threads;
-  object["trace_format"] = replay::format_version_written;
+  object["trace_format"] = replay::format_version;
   object["physics_version"] = engine::physics_version;
   const std::optional<Hash128> digest = verifier::engine_digest();
   object["engine_digest"] = digest ? Json(hex128(*digest)) : Json(nullptr);
@@ -82,8 +82,8 @@ std::string env_text(const verifier::FloatEnvironment& floats, const std::vector
   text += fmt::format("  kernels     {}\n",
                       engine::info_of(engine::instruction_sets, engine::instruction_set_in_use()).name);
   text += fmt::format("  parts       {}\n", features_text(build));
-  text += fmt::format("  versions    trace format {}, physics {}\n", replay::format_version_written,
-                      engine::physics_version);
+  text += fmt::format("  versions    trace formats {} to {}, physics {}\n", replay::format_version_first,
+                      replay::format_version, engine::physics_version);
   const FloatBehaviour& behaviour = floats.behaviour;
   text += fmt::format(
       "  floats      rounding {}, subnormal results {}, subnormal operands {}, a*b+c {}, "
