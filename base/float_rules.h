@@ -14,7 +14,7 @@
 #error "fast-math changes results: build without -ffast-math, -Ofast and -funsafe-math-optimizations"
 #endif
 #if defined(__wasm_simd128__)
-#error "WebAssembly's vectors (-msimd128, clang 14, node 20) gave other bits in f64 scenes: build without them"
+#error "WebAssembly's vectors (-msimd128) give other bits in f64 scenes with clang 14: build without them"
 #endif
 static_assert(FLT_EVAL_METHOD == 0, "floats must be evaluated in their own precision: on i386 use -mfpmath=sse");
 static_assert(FLT_RADIX == 2 && FLT_MANT_DIG == 24 && DBL_MANT_DIG == 53, "floats must be IEEE 754 binary32, binary64");
