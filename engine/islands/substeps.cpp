@@ -4,11 +4,15 @@
 // with omega proportional to the substep rate. Hence n = 4 sqrt(error at 4 substeps / allowed error).
 #include "base/limits.h"
 #include "engine/islands/islands.h"
+#include "engine/islands/substep_budget.h"
 #include "engine/islands/supports.h"
 
 namespace ticktrue::engine::TICKTRUE_PRECISION {
 namespace {
 
+// Limit of the contacts solved for resting impacts in a tick without a budget. Beyond the limit, each substep gets one
+// check. A pile that never settles then takes hundredths of a second.
+constexpr std::uint64_t shock_work_max = 1u << 21;
 constexpr std::uint32_t idle_tick_count = 60;  // ticks with a smaller need before the number falls
 
 /// The centripetal acceleration by joints of each rotating body: the sum of w^2 r of the arms towards the nearest
@@ -258,6 +262,7 @@ void choose_substeps(const Model& model, State& state, TickLists& tick, IslandWo
   const auto least = static_cast<std::uint32_t>(settings.substeps);
   tick.island_level.assign(state.bodies.size(), least);
   tick.resting_impacts.clear();
+  tick.shock_is_cut = false;
   tick.island_has_resting_impact.assign(state.bodies.size(), 0);
   if (!settings.auto_substeps) return;
   list_supports(model, state, tick, work, dt / static_cast<Real>(reference_substeps));
@@ -298,6 +303,8 @@ void choose_substeps(const Model& model, State& state, TickLists& tick, IslandWo
   for (std::uint32_t row = 0; row < state.bodies.size(); ++row)
     if (type_of(model, state, row) == BodyType::dynamic_body)
       level[find_root(tick.island_parent, row)] = state.substeps[row].count;
+  tick.shock_work_left = shock_work_max;
+  if (has_budget(model)) apply_budget(model, state, tick, work);
   find_resting_impacts(model, state, tick, dt);
 }
 
