@@ -109,6 +109,17 @@ TEST_CASE("a budget without effect changes no bit of bodies at rest", "[engine][
   for (std::size_t i = 0; i < a.size(); ++i) CHECK(a[i].center.y == b[i].center.y);
 }
 
+TEST_CASE("of 100 ticks of a falling pile, a budget of 160 cuts at most one", "[engine][islands][budget]") {
+  for (const Precision precision : {Precision::f32, Precision::f64})
+    for (const char* text : {"mixed_pile?bodies=40", "circles?columns=7&rows=30"}) {
+      CAPTURE(precision, text);
+      const auto engine = make_engine_or_fail(scene_with_budget(text, 160, precision));
+      run_ticks(*engine, 300);
+      CHECK(report_of(*engine).cut_ticks <= 3);
+      CHECK(report_of(*engine).limited_ticks == 0);
+    }
+}
+
 TEST_CASE("shocks that a small budget cuts are counted, and no threads or loads change them",
           "[engine][islands][budget][determinism]") {
   for (const Precision precision : {Precision::f32, Precision::f64}) {
