@@ -83,6 +83,19 @@ TEST_CASE("a budget needs automatic substeps", "[engine][scene][budget]") {
         "substeps");
 }
 
+TEST_CASE("a budget is a whole number from 0 to 1,000,000", "[engine][scene][budget]") {
+  const auto refusal = [](const std::string& budget) {
+    const auto scene = engine::parse_scene(R"({"settings":{"substeps":"auto","substep_budget":)" + budget +
+                                               R"(},"bodies":[{"shapes":[{"type":"circle","radius":1}]}]})",
+                                           "scene");
+    return scene ? std::string() : scene.error().message;
+  };
+  CHECK(refusal("0") == "");
+  CHECK(refusal("1000000") == "");
+  for (const char* budget : {"-1", "1000001", "0.5", "\"auto\""})
+    CHECK(refusal(budget).find("settings.substep_budget: ") != std::string::npos);
+}
+
 TEST_CASE("a budget bounds the substeps of the only island, and counts the ticks", "[engine][islands][budget]") {
   for (const Precision precision : {Precision::f32, Precision::f64})
     for (const int budget : {4, 8, 32}) {
