@@ -221,7 +221,7 @@ struct Settings {
   ClockSettings clock;
   JointSolverKind joints = JointSolverKind::iterative;
   SubstepLoads substep_loads = SubstepLoads::weight;  // the loads that determine automatic substeps
-  int substep_budget = 0;  // a tick with automatic substeps costs at most as much as so many fixed ones; 0: no limit
+  int substep_budget = 0;  // a tick costs at most about as much as so many fixed substeps; 0: no limit
   bool operator==(const Settings&) const = default;
 };
 

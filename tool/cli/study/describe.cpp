@@ -69,7 +69,8 @@ void print_text(const engine::Engine& engine, const DescribeOptions& options) {
                     scene.bodies.size(), scene.prototypes.size(), scene.settings.dt, scene.settings.substeps,
                     automatic ? ".." + std::to_string(automatic->substeps_max) : ""));
   if (scene.settings.substep_budget > 0)
-    print(fmt::format("  a tick costs at most as much as with {} fixed substeps\n", scene.settings.substep_budget));
+    print(
+        fmt::format("  a tick costs at most about as much as with {} fixed substeps\n", scene.settings.substep_budget));
   print("choices\n");
   for (const ChoiceText& choice : choices_of(scene.settings)) {
     print(fmt::format("  {:<16} {:<20} {}\n", choice.key, choice.value, choice.summary));
