@@ -83,6 +83,12 @@ struct BroadPhaseReport {
   std::vector<Pair> pairs;  // that the narrow phase will test
 };
 
+/// What a substep budget has cut so far, in ticks.
+struct BudgetReport {
+  std::uint64_t cut_ticks = 0;      // a shock was left before it had settled
+  std::uint64_t limited_ticks = 0;  // an island had fewer substeps than its loads need
+};
+
 class Engine : public Simulation {
  public:
   /// The stages of the pipeline and the stages left out, with the reason for each.
@@ -93,9 +99,10 @@ class Engine : public Simulation {
   /// more pairs than a tick may have: broad_phase() then has no pairs, and the next step fails.
   virtual std::vector<ContactReport> contacts() const = 0;
   virtual BroadPhaseReport broad_phase() const = 0;
-  virtual std::uint64_t tick() const = 0;            // ticks done
-  virtual double time_s() const = 0;                 // sum of their dt
-  virtual std::uint64_t ignored_inputs() const = 0;  // inputs to bodies already removed
+  virtual std::uint64_t tick() const = 0;                         // ticks done
+  virtual double time_s() const = 0;                              // sum of their dt
+  virtual std::uint64_t ignored_inputs() const = 0;               // inputs to bodies already removed
+  virtual std::optional<BudgetReport> budget_report() const = 0;  // with settings.substep_budget
 
   /// Makes the next tick rebuild these structures. Changes no bit of any later state.
   virtual void forget_caches(CacheSet caches) = 0;

@@ -111,6 +111,7 @@ Pipeline compose(const Model& model, BroadPhaseKind broad_phase, bool full) {
   pipeline.tables.sleep = settings.sleep.has_value();
   pipeline.tables.substeps = settings.auto_substeps.has_value();
   pipeline.tables.loads = settings.substep_loads == SubstepLoads::measured;
+  pipeline.tables.budget = settings.substep_budget > 0;
   pipeline.tables.pointers = model.has_pointer;
   pipeline.tables.joints = !model.joints.empty();
   pipeline.tables.gears = !model.gears.empty();

@@ -212,6 +212,10 @@ class World final : public Engine {
   std::uint64_t ignored_inputs() const override {
     return state_.world.ignored_inputs;
   }
+  std::optional<BudgetReport> budget_report() const override {
+    if (!pipeline_.tables.budget) return std::nullopt;
+    return BudgetReport{state_.budget.cut_ticks, state_.budget.limited_ticks};
+  }
 
   void forget_caches(CacheSet caches) override {
     for (TickCache* cache : caches_)

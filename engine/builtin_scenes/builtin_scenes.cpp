@@ -51,9 +51,9 @@ const std::array<BuiltinScene, 25> scenes{{
 
 // ---- Reading `name?key=value` ----
 
-constexpr std::array<std::string_view, 13> setting_names{
-    "precision", "dt",    "substeps",       "solver",     "integrator", "broad_phase",  "gravity",
-    "clock",     "sleep", "locate_impacts", "continuous", "joints",     "substep_loads"};
+constexpr std::array<std::string_view, 14> setting_names{
+    "precision", "dt",    "substeps",       "solver",     "integrator", "broad_phase",   "gravity",
+    "clock",     "sleep", "locate_impacts", "continuous", "joints",     "substep_loads", "substep_budget"};
 
 Error usage(std::string_view text, const std::string& what, std::string hint = {}) {
   return Error{ErrorCode::usage, std::string(text) + ": " + what, std::move(hint)};
@@ -108,6 +108,7 @@ Status read_argument(std::string_view text, std::string_view key, std::string_vi
   if (key == "broad_phase") return read_choice(text, key, value, broad_phases, out.broad_phase);
   if (key == "joints") return read_choice(text, key, value, joint_solvers, out.joints);
   if (key == "substep_loads") return read_choice(text, key, value, substep_loads, out.substep_loads);
+  if (key == "substep_budget") return number(0, ranges::substep_budget.max, true, out.substep_budget);
   if (key == "clock") return read_choice(text, key, value, clock_kinds, out.clock);
   if (key == "sleep") return number(0, 1, true, out.sleep);
   if (key == "locate_impacts") return number(0, 1, true, out.locate_impacts);
@@ -145,6 +146,7 @@ void apply_settings(const SceneArguments& arguments, Scene& scene) {
   if (arguments.broad_phase) settings.broad_phase = *arguments.broad_phase;
   if (arguments.joints) settings.joints = *arguments.joints;
   if (arguments.substep_loads) settings.substep_loads = *arguments.substep_loads;
+  if (arguments.substep_budget) settings.substep_budget = *arguments.substep_budget;
   if (arguments.clock) settings.clock.kind = *arguments.clock;
   if (arguments.gravity) scene.gravity = {0, 0 - *arguments.gravity};  // 0 - 0 is 0, not -0
 }

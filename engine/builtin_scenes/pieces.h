@@ -29,6 +29,7 @@ struct SceneArguments {
   std::optional<ClockKind> clock;
   std::optional<JointSolverKind> joints;
   std::optional<SubstepLoads> substep_loads;
+  std::optional<int> substep_budget;
   std::optional<double> gravity;
 
   double real(std::string_view name) const {

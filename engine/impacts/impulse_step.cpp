@@ -19,6 +19,10 @@ namespace {
 constexpr double compliance_share = 1e-9;  // of a row's own mobility
 constexpr int proximal_count = 3;
 constexpr double envelope_work_max = 1 << 24;  // multiplications of a factorization
+// The work of a step, in contacts solved once.
+constexpr std::uint64_t work_of_row = 70;
+constexpr std::uint64_t work_of_listing = 30;  // the part of a row before the factorization
+constexpr std::uint64_t multiplications_per_contact = 10;
 
 /// The present separation of a point, as kernels compute it.
 double separation_of(const ContactBatch& batch, const ContactPointLanes& point, std::uint32_t lane, const MovingBody& a,
@@ -76,6 +80,18 @@ void set_along(ActiveRow& row, const double (&arms)[3][2]) {
     row.along_a[i] = arms[i][0];
     row.along_b[i] = arms[i][1];
   }
+}
+
+/// The number of points with a normal impulse.
+std::uint64_t count_rows(const SolvedSet& solved, const ContactBatches& all) {
+  std::uint64_t count = 0;
+  for (std::uint32_t i = solved.set.first_batch; i < solved.set.batch_end; ++i) {
+    const ContactBatch& batch = all.batches[i];
+    for (std::size_t lane = 0; lane < static_cast<std::size_t>(batch.count); ++lane)
+      for (const ContactPointLanes& point : batch.points)
+        count += point.normal_mass.at[lane] > 0 && point.normal_impulse.at[lane] > 0 ? 1 : 0;
+  }
+  return count;
 }
 
 /// Finds the rows of points with a normal impulse. A point with static friction has a second row.
@@ -177,8 +193,9 @@ void find_places(const SolverBodies& bodies, ImpulseStep& out) {
   }
 }
 
-/// Builds M + J^T E^-1 J, each row from its first nonzero entry. False: the envelope is too wide.
-bool make_system(const SolverBodies& bodies, ImpulseStep& out) {
+/// Finds the first nonzero entry of each row of M + J^T E^-1 J. Returns the multiplications of its factorization; a
+/// number above envelope_work_max if there are more.
+double find_envelope(ImpulseStep& out) {
   const std::size_t size = 3 * out.bodies.size();
   out.first.resize(size);
   for (std::size_t i = 0; i < size; ++i) out.first[i] = static_cast<std::uint32_t>(i - i % 3);
@@ -196,10 +213,15 @@ bool make_system(const SolverBodies& bodies, ImpulseStep& out) {
     out.row_start[i] = total;
     total += width;
     work += static_cast<double>(width) * static_cast<double>(width);
-    if (work > envelope_work_max) return false;
+    if (work > envelope_work_max) return work;
   }
   out.row_start[size] = total;
-  out.matrix.assign(total, 0);
+  return work;
+}
+
+/// Builds M + J^T E^-1 J. Requires: find_envelope.
+void make_system(const SolverBodies& bodies, ImpulseStep& out) {
+  out.matrix.assign(out.row_start[out.first.size()], 0);
   const auto at = [&](std::size_t i, std::size_t j) -> double& {
     return out.matrix[out.row_start[i] + (j - out.first[i])];
   };
@@ -222,7 +244,6 @@ bool make_system(const SolverBodies& bodies, ImpulseStep& out) {
     add_block(row.place_a, row.place_b, row.along_a, row.along_b, row.stiffness);
     add_block(row.place_b, row.place_a, row.along_b, row.along_a, row.stiffness);
   }
-  return true;
 }
 
 /// Replaces the matrix by L of L L^T.
@@ -337,10 +358,22 @@ void apply(const ImpulseStep& out, ContactBatches& contacts, SolverBodies& bodie
 
 }  // namespace
 
-void step_active_contacts(const SolvedSet& solved, ContactBatches& contacts, ImpulseStep& out) {
+StepWork step_active_contacts(const SolvedSet& solved, ContactBatches& contacts, std::uint64_t work_max,
+                              ImpulseStep& out) {
+  if (work_max != no_step_limit) {
+    const std::uint64_t of_rows = work_of_row * count_rows(solved, contacts);
+    if (of_rows > work_max) return {false, 0, of_rows};
+  }
   find_rows(solved, contacts, out);
   find_places(solved.bodies, out);
-  if (out.bodies.empty() || !make_system(solved.bodies, out)) return;
+  const std::uint64_t listing = work_of_listing * out.rows.size();
+  if (out.bodies.empty()) return {false, listing, no_step_limit};
+  const double envelope_work = find_envelope(out);
+  if (envelope_work > envelope_work_max) return {false, listing, no_step_limit};
+  const std::uint64_t work =
+      work_of_row * out.rows.size() + static_cast<std::uint64_t>(envelope_work) / multiplications_per_contact;
+  if (work > work_max) return {false, listing, work};
+  make_system(solved.bodies, out);
   factor(out);
   find_changes(out);
   const double step = longest_step(out);
@@ -357,6 +390,7 @@ void step_active_contacts(const SolvedSet& solved, ContactBatches& contacts, Imp
     find_velocities(solved.bodies, out);
   }
   apply(out, contacts, solved.bodies);
+  return {true, work, 0};
 }
 
 }  // namespace ticktrue::engine::TICKTRUE_PRECISION

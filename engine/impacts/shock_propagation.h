@@ -28,9 +28,9 @@ void list_fields(ShockWorkspace& of, const Visit& visit) {
 void begin_resting_impacts(const SolvedSet& solved, std::vector<RestingImpact>& impacts, ContactBatches& contacts);
 /// The change of speed, m/s, below which the shock has propagated; 0 if no resting impact hit in the last pass.
 Real settled_speed(const SolvedSet& solved);
-/// Rigid passes until no velocity of a body changes by more than `settled`; no pass for 0. `work_left`:
-/// TickLists::shock_work_left.
-void propagate_shock(const SolvedSet& solved, Real settled, std::uint32_t& work_left, ContactBatches& contacts,
+/// Rigid passes until no velocity of a body changes by more than `settled`; no pass for 0. Ends early if
+/// `tick.shock_work_left` does not suffice.
+void propagate_shock(const SolvedSet& solved, Real settled, TickLists& tick, ContactBatches& contacts,
                      ShockWorkspace& work);
 
 }  // namespace ticktrue::engine::TICKTRUE_PRECISION

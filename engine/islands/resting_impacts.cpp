@@ -5,10 +5,6 @@
 namespace ticktrue::engine::TICKTRUE_PRECISION {
 namespace {
 
-// Limit of the contacts solved for resting impacts in a tick. Beyond the limit, each substep gets one check. A pile
-// that never settles then takes hundredths of a second.
-constexpr std::uint32_t work_in_tick_max = 1u << 21;
-
 std::uint32_t island_of(const TickLists& tick, std::uint32_t row) {
   while (tick.island_parent[row] != row) row = tick.island_parent[row];
   return row;
@@ -23,10 +19,23 @@ void leave_out_joined(const State& state, TickLists& tick) {
         tick.island_has_resting_impact[island_of(tick, static_cast<std::uint32_t>(state.find_body(id)))] = 0;
 }
 
+/// Whether a body moves by less than `allowed` in a substep of length `h`.
+bool is_slow(const Model& model, const BodyRow& body, Real h, Real allowed) {
+  const Real speed = length(body.velocity) + absolute(body.angular_velocity) * model.bodies[body.source].extent;
+  return speed * h <= allowed;
+}
+
+/// Whether a body of the pair is supported and slow.
+bool hits_resting_body(const Model& model, const State& state, const TickLists& tick, const ContactPair& pair, Real h,
+                       Real allowed) {
+  for (const std::uint32_t row : {pair.body_a, pair.body_b})
+    if (tick.load[row] > 0 && is_slow(model, state.bodies[row], h, allowed)) return true;
+  return false;
+}
+
 }  // namespace
 
 void find_resting_impacts(const Model& model, const State& state, TickLists& tick, Real dt) {
-  tick.shock_work_left = work_in_tick_max;
   const Real target = static_cast<Real>(model.scene.settings.auto_substeps->target_error);
   for (std::uint32_t contact = 0; contact < tick.contact_pairs.size(); ++contact) {
     const ContactPair& pair = tick.contact_pairs[contact];
@@ -37,7 +46,9 @@ void find_resting_impacts(const Model& model, const State& state, TickLists& tic
     const Real closing = closing_speed(pair, state.bodies[pair.body_a], state.bodies[pair.body_b]);
     const Real h = dt / static_cast<Real>(tick.island_level[root]);
     const Real allowed = target * pair.size;
-    if (!(closing * h > resting_impact_share * allowed)) continue;
+    const Real least = resting_impact_share * allowed;
+    if (!(closing * h > least)) continue;
+    if (has_budget(model) && !hits_resting_body(model, state, tick, pair, h, least)) continue;
     tick.resting_impacts.push_back({contact, closing, allowed});
     tick.island_has_resting_impact[root] = 1;
   }

@@ -4,11 +4,16 @@
 // with omega proportional to the substep rate. Hence n = 4 sqrt(error at 4 substeps / allowed error).
 #include "base/limits.h"
 #include "engine/islands/islands.h"
+#include "engine/islands/substep_budget.h"
 #include "engine/islands/supports.h"
+#include "engine/math/trig.h"
 
 namespace ticktrue::engine::TICKTRUE_PRECISION {
 namespace {
 
+// Limit of the contacts solved for resting impacts in a tick without a budget. Beyond the limit, each substep gets one
+// check. A pile that never settles then takes hundredths of a second.
+constexpr std::uint64_t shock_work_max = 1u << 21;
 constexpr std::uint32_t idle_tick_count = 60;  // ticks with a smaller need before the number falls
 
 /// The centripetal acceleration by joints of each rotating body: the sum of w^2 r of the arms towards the nearest
@@ -41,16 +46,38 @@ Real own_load(const Model& model, const State& state, const IslandWork& work, st
   return work.known_force.empty() ? own : own + work.known_force[row];
 }
 
-/// Finds the forces on each body that are known before the tick: of elements, of inputs, and of motors along an axis. A
-/// motor far from its speed has its largest force, another motor the force of the last tick.
+/// The force of a pointer on its body, if something holds the body back: that of the spring at its present length, at
+/// most the largest force.
+Real pointer_force(const Model& model, const State& state, const PointerRow& pointer) {
+  const PointerSettings& settings = *model.scene.pointer;
+  const BodyRow& body = state.bodies[row_of(state, pointer.body)];
+  const Real mass = model.bodies[body.source].mass;
+  const Vec2 point = body.position + rotate(body.rotation, pointer.anchor);
+  const Real rate = Real(2 * pi) * static_cast<Real>(settings.hertz);
+  const Real wanted = (mass * rate * rate) * length(pointer.target - point);
+  return smaller(larger(wanted, length(pointer.force)), static_cast<Real>(settings.force_max_per_kg) * mass);
+}
+
+/// The force of dampings and drags on a body at its present velocity.
+Real drag_force(const Model& model, const BodyRow& body) {
+  const BodyModel& constants = model.bodies[body.source];
+  const Real speed = length(body.velocity);
+  const Real quadratic = model.body_forces.empty() ? Real(0) : model.body_forces[body.source].quadratic_drag;
+  return constants.mass * (constants.linear_damping + quadratic * speed) * speed;
+}
+
+/// Finds the forces on each body that are known before the tick: of elements, of inputs, of pointers, of dampings, and
+/// of motors along an axis. A motor far from its speed has its largest force, another motor the force of the last tick.
 void find_known_forces(const Model& model, const State& state, const TickLists& tick, IslandWork& work) {
   work.known_force.assign(state.bodies.size(), 0);
   for (std::uint32_t row = 0; row < state.bodies.size(); ++row) {
     const std::uint32_t source = state.bodies[row].source;
     Vec2 force = tick.force.empty() ? Vec2{} : tick.force[row];
     if (!model.body_forces.empty()) force = force + model.bodies[source].mass * model.body_forces[source].acceleration;
-    work.known_force[row] = length(force);
+    work.known_force[row] = length(force) + drag_force(model, state.bodies[row]);
   }
+  for (const PointerRow& pointer : state.pointers)
+    work.known_force[row_of(state, pointer.body)] += pointer_force(model, state, pointer);
   for (const JointRow& joint : state.joints) {
     if (!slides(joint)) continue;
     const std::uint32_t a = row_of(state, joint.body_a);
@@ -62,6 +89,8 @@ void find_known_forces(const Model& model, const State& state, const TickLists& 
     work.known_force[b] += force;
   }
 }
+
+constexpr Real turn_max = Real(0.1);  // rad, of a body on direct joints in a substep: a whip loses energy beyond
 
 // A measured load counts if it exceeds the weights by this factor, since measured loads of bodies at rest vary.
 constexpr Real excess_least = Real(1.25);
@@ -251,6 +280,26 @@ void raise_by_measured_loads(const Model& model, State& state, TickLists& tick, 
   }
 }
 
+/// Raises the levels of islands whose bodies turn too far in a substep on direct joints.
+void raise_by_turns(const Model& model, const State& state, TickLists& tick, const IslandWork& work, Real dt) {
+  const Settings& settings = model.scene.settings;
+  const auto least = static_cast<std::uint32_t>(settings.substeps);
+  const auto most = static_cast<std::uint32_t>(settings.auto_substeps->substeps_max);
+  for (std::size_t i = 0; i < work.direct.is_direct.size(); ++i) {
+    if (work.direct.is_direct[i] == 0) continue;
+    for_each_body(model, model.joints[state.joints[i].joint], [&](std::uint32_t id) {
+      const std::uint32_t row = row_of(state, id);
+      if (type_of(model, state, row) != BodyType::dynamic_body) return;
+      const Real turn = absolute(state.bodies[row].angular_velocity) * dt;
+      std::uint32_t count = least;
+      while (count < most && turn > turn_max * static_cast<Real>(count)) count *= 2;
+      count = count < most ? count : most;
+      std::uint32_t& level = tick.island_level[find_root(tick.island_parent, row)];
+      if (count > level) level = count;
+    });
+  }
+}
+
 }  // namespace
 
 void choose_substeps(const Model& model, State& state, TickLists& tick, IslandWork& work, Real dt) {
@@ -258,18 +307,22 @@ void choose_substeps(const Model& model, State& state, TickLists& tick, IslandWo
   const auto least = static_cast<std::uint32_t>(settings.substeps);
   tick.island_level.assign(state.bodies.size(), least);
   tick.resting_impacts.clear();
+  tick.shock_is_cut = false;
   tick.island_has_resting_impact.assign(state.bodies.size(), 0);
   if (!settings.auto_substeps) return;
+  const bool is_measured = settings.substep_loads == SubstepLoads::measured;
+  work.direct.is_direct.clear();
+  if (is_measured && settings.joints == JointSolverKind::direct) mark_direct_joints(model, state, work.direct);
   list_supports(model, state, tick, work, dt / static_cast<Real>(reference_substeps));
   find_depths(model, state, work);
   find_joint_accelerations(state, work);
-  const bool is_measured = settings.substep_loads == SubstepLoads::measured;
   if (is_measured) find_known_forces(model, state, tick, work);
   estimate_errors(model, state, work, {}, work.weights);
   estimate_tilts(state, work);
   std::vector<std::uint32_t>& level = tick.island_level;
   raise_levels(model, state, tick, work.weights, work.tilt_errors, level);
   if (is_measured) raise_by_measured_loads(model, state, tick, work, level);
+  raise_by_turns(model, state, tick, work, dt);
   find_mass_factors(model, state, tick, work);
   tick.load = work.weights.load;
   // The number of substeps of an island rises at once and falls after enough idle ticks.
@@ -298,6 +351,8 @@ void choose_substeps(const Model& model, State& state, TickLists& tick, IslandWo
   for (std::uint32_t row = 0; row < state.bodies.size(); ++row)
     if (type_of(model, state, row) == BodyType::dynamic_body)
       level[find_root(tick.island_parent, row)] = state.substeps[row].count;
+  tick.shock_work_left = shock_work_max;
+  if (has_budget(model)) apply_budget(model, state, tick, work);
   find_resting_impacts(model, state, tick, dt);
 }
 

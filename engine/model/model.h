@@ -186,6 +186,11 @@ void for_each_body(const Model& model, const JointModel& joint, Visit visit) {
   visit(joint.body_b);
 }
 
+/// Whether the scene bounds the work of automatic substeps.
+inline bool has_budget(const Model& model) {
+  return model.scene.settings.substep_budget > 0;
+}
+
 /// Requires: check_scene(scene).
 Model make_model(const Scene& scene);
 

@@ -240,6 +240,17 @@ TableSchema schema_of(const Model&, const std::string& name, const std::vector<L
           1};
 }
 
+TableSchema schema_of(const Model&, const std::string& name, const BudgetRow&) {
+  return {name,
+          {
+              whole("cut_ticks", ScalarType::u32, 1, offsetof(BudgetRow, cut_ticks), no_reference),
+              whole("limited_ticks", ScalarType::u32, 1, offsetof(BudgetRow, limited_ticks), no_reference),
+              whole("saved_work", ScalarType::u64, 1, offsetof(BudgetRow, saved_work), saved_work_max),
+          },
+          sizeof(BudgetRow),
+          0};
+}
+
 TableSchema schema_of(const Model&, const std::string& name, const std::vector<SubstepRow>&) {
   return {name,
           {

@@ -108,6 +108,15 @@ struct LoadRow {
   std::uint32_t wanted;  // substeps; 0 before the first tick
 };
 
+inline constexpr double saved_work_max = 0x1p53;
+
+/// What Settings::substep_budget has cut and saved so far.
+struct BudgetRow {
+  std::uint32_t cut_ticks;      // ticks in which a shock was left before it had settled
+  std::uint32_t limited_ticks;  // ticks in which an island had fewer substeps than its loads need
+  std::uint64_t saved_work;     // contacts that past ticks might have solved for resting impacts
+};
+
 /// Accelerations of a body in the last substep, for thesis_verlet. Parallel to the bodies.
 struct AccelerationRow {
   Vec2 linear;   // m/s^2
@@ -130,6 +139,7 @@ static_assert(sizeof(GearRow) == 2 * sizeof(Real));
 static_assert(sizeof(SleepRow) == 8 + sizeof(Real));
 static_assert(sizeof(SubstepRow) == 12);
 static_assert(sizeof(LoadRow) == 8);
+static_assert(sizeof(BudgetRow) == 16);
 static_assert(sizeof(AccelerationRow) == 3 * sizeof(Real));
 static_assert(sizeof(IntegratorRow) == 4);
 
@@ -147,6 +157,7 @@ struct StateTables {
   bool sleep = false;
   bool substeps = false;
   bool loads = false;
+  bool budget = false;
   bool accelerations = false;
   bool integrator = false;
 };
@@ -154,15 +165,16 @@ struct State {
   WorldRow world{};
   std::vector<BodyRow> bodies;  // ascending by id
   std::vector<ContactRow> contacts;
-  std::vector<PointerRow> pointers;            // ascending by player
-  std::vector<TouchRow> touching;              // contacts with a point of no or negative separation
-  std::vector<TouchRow> sensors;               // overlaps with sensors
-  std::vector<EventRow> events;                // of this tick
-  std::vector<JointRow> joints;                // ascending by joint
-  std::vector<GearRow> gears;                  // of `joints`, in their order
-  std::vector<SleepRow> sleep;                 // [body], or empty
-  std::vector<SubstepRow> substeps;            // [body], or empty
-  std::vector<LoadRow> loads;                  // [body], or empty
+  std::vector<PointerRow> pointers;  // ascending by player
+  std::vector<TouchRow> touching;    // contacts with a point of no or negative separation
+  std::vector<TouchRow> sensors;     // overlaps with sensors
+  std::vector<EventRow> events;      // of this tick
+  std::vector<JointRow> joints;      // ascending by joint
+  std::vector<GearRow> gears;        // of `joints`, in their order
+  std::vector<SleepRow> sleep;       // [body], or empty
+  std::vector<SubstepRow> substeps;  // [body], or empty
+  std::vector<LoadRow> loads;        // [body], or empty
+  BudgetRow budget{};
   std::vector<AccelerationRow> accelerations;  // [body], or empty
   IntegratorRow integrator{};
 
@@ -191,6 +203,7 @@ void for_each_table(StateType& state, const StateTables& owned, Visit visit) {
   if (owned.sleep) visit("sleep", state.sleep);
   if (owned.substeps) visit("substeps", state.substeps);
   if (owned.loads) visit("loads", state.loads);
+  if (owned.budget) visit("budget", state.budget);
   if (owned.accelerations) visit("accelerations", state.accelerations);
   if (owned.integrator) visit("integrator", state.integrator);
 }

@@ -64,7 +64,8 @@ struct TickLists {
   std::vector<std::uint32_t> island_level;     // [body] at the island's first row: substeps
   std::vector<std::uint8_t> island_has_resting_impact;  // [body] at the island's first row
   std::vector<RestingImpact> resting_impacts;
-  std::uint32_t shock_work_left = 0;  // contacts that may still be solved for resting impacts in this tick
+  std::uint64_t shock_work_left = 0;  // contacts that may still be solved for resting impacts in this tick
+  bool shock_is_cut = false;          // a shock was left before it had settled, by the scene's budget
   std::vector<Real> load;             // [body] N
   std::vector<Real> mass_factor;      // [body] factor of its mass for constraints; with automatic substeps
 };
@@ -75,10 +76,11 @@ void list_fields(TickLists& of, const Visit& visit) {
   auto& [parallel, pair_count_max, inputs, force, torque, removed_touching, removed_sensors, injected, proxies, pairs,
          has_too_many_pairs, changes, contact_pairs, contact_generation, impacts, has_solver_sets, solver_sets,
          set_rows, set_contacts, body_solver_set, island_parent, island_level, island_has_resting_impact,
-         resting_impacts, shock_work_left, load, mass_factor] = of;
+         resting_impacts, shock_work_left, shock_is_cut, load, mass_factor] = of;
   visit(force, torque, removed_touching, removed_sensors, proxies, pairs, has_too_many_pairs, changes, contact_pairs,
         contact_generation, impacts, has_solver_sets, solver_sets, set_rows, set_contacts, body_solver_set,
-        island_parent, island_level, island_has_resting_impact, resting_impacts, shock_work_left, load, mass_factor);
+        island_parent, island_level, island_has_resting_impact, resting_impacts, shock_work_left, shock_is_cut, load,
+        mass_factor);
 }
 
 /// Sets the lists as they are if the stages that write them are left out.

@@ -11,6 +11,7 @@ namespace {
 // Separate streams: a world without these choices does not depend on them.
 constexpr std::uint64_t joint_solver_stream = 0x6a6f696e74735f31;
 constexpr std::uint64_t loads_stream = 0x6c6f6164735f5f31;
+constexpr std::uint64_t budget_stream = 0x6275646765745f31;
 constexpr std::uint64_t structure_stream = 0x7374727563745f31;
 
 }  // namespace
@@ -30,6 +31,9 @@ RandomWorld random_world(std::uint64_t seed, const RandomWorldOptions& options) 
     world.scene.settings.joints = JointSolverKind::direct;
   if (world.scene.settings.auto_substeps && Draw(seed ^ loads_stream).half())
     world.scene.settings.substep_loads = SubstepLoads::measured;
+  Draw budget(seed ^ budget_stream);
+  if (options.has_budgets && world.scene.settings.auto_substeps && budget.half())
+    world.scene.settings.substep_budget = 1 << budget.below(8);
   add_forces(draw, plan, world.scene);
   world.inputs = add_inputs(draw, plan, world.scene);
   world.tick_count = plan.tick_count;

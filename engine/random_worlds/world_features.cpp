@@ -155,7 +155,7 @@ const std::array<WorldFeatureInfo, world_feature_count> features{{
     {{F::automatic_substeps, "automatic_substeps", "substeps chosen per island"},
      68,
      [](const World& w) { return w.scene.settings.auto_substeps.has_value(); },
-     [](World& w) { w.scene.settings.auto_substeps.reset(); }},
+     [](World& w) { fix_substeps(w.scene.settings); }},
     {{F::tight_target_error, "tight_target_error", "automatic substeps with a target below the default"},
      50,
      [](const World& w) {

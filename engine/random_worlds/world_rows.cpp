@@ -43,7 +43,7 @@ void repair_settings(Settings& settings) {
     settings.substeps = 1;
     settings.auto_substeps.reset();
   }
-  if (!settings.auto_substeps) settings.substep_loads = SubstepLoads::weight;
+  if (!settings.auto_substeps) fix_substeps(settings);
 }
 
 bool has_joint_solver(const World& world, std::size_t row) {
@@ -52,6 +52,19 @@ bool has_joint_solver(const World& world, std::size_t row) {
 
 bool has_substep_loads(const World& world, std::size_t row) {
   return world.scene.settings.auto_substeps && world.scene.settings.substep_loads == substep_loads[row].kind;
+}
+
+Names budget_names() {
+  return {"some"};
+}
+
+bool has_budget(const World& world, std::size_t) {
+  return world.scene.settings.substep_budget > 0;
+}
+
+bool take_budget(World& world, std::size_t) {
+  world.scene.settings.substep_budget = 0;
+  return true;
 }
 
 template <const auto& table, auto Settings::*choice>
@@ -229,7 +242,7 @@ bool take_feature(World& world, std::size_t row) {
   return true;
 }
 
-const std::array<RowTable, 15> tables{{
+const std::array<RowTable, 16> tables{{
     {"precision", names_of<precisions>, has_choice<precisions, &Settings::precision>,
      take_choice<precisions, &Settings::precision>, true},
     {"solver", names_of<solvers>, has_choice<solvers, &Settings::solver>, take_choice<solvers, &Settings::solver>,
@@ -249,6 +262,7 @@ const std::array<RowTable, 15> tables{{
     {"joint_solver", names_of<joint_solvers>, has_joint_solver, take_choice<joint_solvers, &Settings::joints>, true},
     {"substep_loads", names_of<substep_loads>, has_substep_loads, take_choice<substep_loads, &Settings::substep_loads>,
      true},
+    {"substep_budget", budget_names, has_budget, take_budget, true},
     {"force", names_of<force_kinds>, has_force, take_force, true},
     {"input", names_of<input_kinds>, has_input, take_input, true},
     {"feature", feature_names, has_feature, take_feature, true},

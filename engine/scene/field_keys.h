@@ -34,6 +34,7 @@ inline constexpr FieldRange force_limit{0, scene_force_max};
 inline constexpr FieldRange mass{limits::mass_min_kg, limits::mass_max_kg};
 inline constexpr FieldRange inertia{1e-30, 1e30};  // kg m^2
 inline constexpr FieldRange substeps{1, limits::substep_count_max};
+inline constexpr FieldRange substep_budget{0, 1e6};
 inline constexpr FieldRange dt{limits::dt_min_s, limits::dt_max_s};
 }  // namespace ranges
 

@@ -221,8 +221,16 @@ struct Settings {
   ClockSettings clock;
   JointSolverKind joints = JointSolverKind::iterative;
   SubstepLoads substep_loads = SubstepLoads::weight;  // the loads that determine automatic substeps
+  int substep_budget = 0;  // a tick costs at most about as much as so many fixed substeps; 0: no limit
   bool operator==(const Settings&) const = default;
 };
+
+/// Removes automatic substeps, and the settings that only they have.
+inline void fix_substeps(Settings& settings) {
+  settings.auto_substeps.reset();
+  settings.substep_loads = SubstepLoads::weight;
+  settings.substep_budget = 0;
+}
 
 struct Scene {
   std::string name = "scene";

@@ -16,7 +16,7 @@ namespace {
 // Versions of this encoding alone. docs/engine_setup.md defines each byte. A scene is written in the first version that
 // can represent it, so that its bytes equal those of older programs.
 constexpr std::uint16_t first_version = 2;
-constexpr std::uint16_t last_version = 5;
+constexpr std::uint16_t last_version = 6;
 
 /// The first version with all kinds of the joints, and all fields of the settings that differ from their defaults.
 std::uint16_t version_of(const Scene& scene) {

@@ -242,6 +242,7 @@ struct Fields<Settings> {
     visit(FieldInfo{"clock"}, &Settings::clock);
     visit(FieldInfo{"joints", {}, "", false, 3}, &Settings::joints);
     visit(FieldInfo{"substep_loads", {}, "", false, 4}, &Settings::substep_loads);
+    visit(FieldInfo{"substep_budget", ranges::substep_budget, "", false, 6}, &Settings::substep_budget);
   }
 };
 

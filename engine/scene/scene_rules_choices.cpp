@@ -144,6 +144,11 @@ bool SceneRules::check_choices() {
                     std::string(info_of(substep_loads, scene_.settings.substep_loads).name) + " and " +
                     std::to_string(scene_.settings.substeps) + " substeps",
                 "use \"substeps\": \"auto\"");
+  if (!scene_.settings.auto_substeps && scene_.settings.substep_budget != 0)
+    return fail(ErrorCode::incompatible, "settings.substep_budget",
+                "a budget bounds automatic substeps: found " + std::to_string(scene_.settings.substep_budget) +
+                    " and " + std::to_string(scene_.settings.substeps) + " substeps",
+                "use \"substeps\": \"auto\"");
   return true;
 }
 

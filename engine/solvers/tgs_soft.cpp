@@ -5,6 +5,7 @@
 #include "engine/integrators/flow.h"
 #include "engine/integrators/integrator.h"
 #include "engine/islands/solver_sets.h"
+#include "engine/islands/substep_budget.h"
 #include "engine/solvers/fault.h"
 #include "engine/solvers/solver.h"
 #include "engine/solvers/substep_strategies.h"
@@ -39,7 +40,7 @@ void solve_in_turn(SolvedSet& solved, TickLists& tick, SolverWork& work, State& 
       solve_contacts(solved, contacts);
     }
     Real settled = settled_speed(solved);  // 0 unless an impact has hit bodies at rest
-    propagate_shock(solved, settled, tick.shock_work_left, contacts, shock);
+    propagate_shock(solved, settled, tick, contacts, shock);
     meet_direct(solved, motion, direct);
     scheme.drift(solved, motion, set.h);  // x += h v
     finish_impacts(solved, impacts);
@@ -51,7 +52,7 @@ void solve_in_turn(SolvedSet& solved, TickLists& tick, SolverWork& work, State& 
       relax_contacts(solved, contacts);
     }
     if (!(settled > 0)) settled = settled_speed(solved);
-    propagate_shock(solved, settled, tick.shock_work_left, contacts, shock);
+    propagate_shock(solved, settled, tick, contacts, shock);
     if (settled > 0) limit_impulses(set, contacts);
     project_direct(solved, direct);
     after_substep(solved, substep);
@@ -82,6 +83,7 @@ void solve_tgs_soft(const Model& model, State& state, TickLists& tick, SolverWor
     store_gears(solved, work.gears, state);
     store_direct(solved, work.direct, state);
   }
+  if (has_budget(model)) store_budget(tick, state);
   store_bodies(work.bodies, tick, state);
   store_motion(work.motion, state);
 }

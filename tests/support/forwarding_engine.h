@@ -30,6 +30,7 @@ class ForwardingEngine : public engine::Engine {
   std::uint64_t tick() const override { return inner_->tick(); }
   double time_s() const override { return inner_->time_s(); }
   std::uint64_t ignored_inputs() const override { return inner_->ignored_inputs(); }
+  std::optional<engine::BudgetReport> budget_report() const override { return inner_->budget_report(); }
   void forget_caches(engine::CacheSet caches) override { inner_->forget_caches(caches); }
   engine::CacheReport cache_report() const override { return inner_->cache_report(); }
 

@@ -415,7 +415,7 @@ Scene scene_with_solver(const Scene& scene, SolverKind solver) {
   const bool substepped = engine::info_of(engine::solvers, scene.settings.solver).substeps;
   if (!substeps) {
     changed.settings.substeps = 1;
-    changed.settings.auto_substeps.reset();
+    engine::fix_substeps(changed.settings);
   }
   if (substeps && !substepped) changed.settings.substeps = engine::Settings{}.substeps;
   return changed;

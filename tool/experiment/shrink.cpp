@@ -40,7 +40,7 @@ std::vector<T> select(const std::vector<T>& all, const Indices& remaining) {
 auto method_of(const engine::Settings& settings) {
   return std::tie(settings.precision, settings.dt, settings.substeps, settings.auto_substeps, settings.iterations,
                   settings.solver, settings.integrator, settings.broad_phase, settings.locate_impacts, settings.joints,
-                  settings.substep_loads);
+                  settings.substep_loads, settings.substep_budget);
 }
 
 bool has_body(const Input& input) {

@@ -70,6 +70,11 @@ void add_f32_note(const Scene& scene, std::vector<std::string>& notes) {
 
 }  // namespace
 
+std::string budget_text(const engine::BudgetReport& report, std::uint64_t tick_count) {
+  return fmt::format("of {} ticks, {} left a shock unsettled and {} had fewer substeps than wanted", tick_count,
+                     report.cut_ticks, report.limited_ticks);
+}
+
 Status check_f32_reach(const Scene& scene, const std::string& source) {
   if (scene.settings.precision != engine::Precision::f32) return {};
   const auto [extent, smallest] = reach_of(scene);

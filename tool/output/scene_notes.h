@@ -2,10 +2,12 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include <cstdint>
 #include <string>
 #include <vector>
 
 #include "base/result.h"
+#include "engine/engine.h"
 #include "engine/scene/scene.h"
 
 namespace ticktrue::verifier {
@@ -19,6 +21,9 @@ inline constexpr double f32_extent_refused = 0x1p20;
 /// One line each; none for most scenes: bounces of restitution 1 that lose energy since they are not located, and
 /// positions too far from the origin for f32. Requires: a valid scene.
 std::vector<std::string> scene_notes(const engine::Scene& scene);
+
+/// What the substep budget of a scene has cut in a run.
+std::string budget_text(const engine::BudgetReport& report, std::uint64_t tick_count);
 
 /// For scenes that are loaded from a file or by name; the scene of a trace runs as it was recorded. `source` begins the
 /// message. Requires: a valid scene. Errors: incompatible (f32, and a moving body farther out than f32_extent_refused

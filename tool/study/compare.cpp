@@ -206,7 +206,7 @@ Scene scene_of(const CompareSession& session, const Variant& variant) {
   if (variant.solver) scene = scene_with_solver(scene, *variant.solver);
   if (variant.integrator) settings.integrator = *variant.integrator;
   if (variant.substeps && *variant.substeps > 0) {
-    settings.auto_substeps.reset();
+    engine::fix_substeps(settings);
     settings.substeps = *variant.substeps;
   }
   if (variant.substeps && *variant.substeps == 0) settings.auto_substeps.emplace();

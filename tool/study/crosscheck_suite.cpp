@@ -400,7 +400,7 @@ Scene gear_lift() {
 // ---- Scenes that need more than 4 substeps, and more than plain steps in Box2D ----
 
 Scene by_default(Builder built) {
-  built.scene.settings.auto_substeps.reset();
+  engine::fix_substeps(built.scene.settings);
   return built.scene;
 }
 

@@ -111,6 +111,8 @@ int run_record(const RecordCommand& options) {
     object["scene_notes"] = notes;
     object["inputs"] = input_count;
     object["ignored_inputs"] = engine.ignored_inputs();
+    if (const auto budget = engine.budget_report())
+      object["budget"] = {{"cut_ticks", budget->cut_ticks}, {"limited_ticks", budget->limited_ticks}};
     object["ms_per_tick"] = tick_ms;
     object["hash"] = hex64(result->root_hash);
     if (inputs->clock != nullptr) object["clock"] = clock_json(*scene, inputs->clock->report());
@@ -120,6 +122,8 @@ int run_record(const RecordCommand& options) {
                       result->size));
     if (inputs->lines != nullptr)
       print(fmt::format("  inputs  {}, of which {} to bodies already removed\n", input_count, engine.ignored_inputs()));
+    if (const auto budget = engine.budget_report())
+      print(fmt::format("  budget  {}\n", verifier::budget_text(*budget, result->tick_count)));
     if (inputs->clock != nullptr) print(fmt::format("  clock   {}\n", clock_text(*scene, inputs->clock->report())));
     print(fmt::format("  time    {:.4g} ms/tick (mean, without writing)\n", tick_ms));
     print(fmt::format("  hash    {}\n", hex64(result->root_hash)));

@@ -41,6 +41,8 @@ Json run_json(const engine::Engine& engine, const verifier::RunResult& result, s
   object["contacts"] = contact_count;
   object["inputs"] = input_count;
   object["ignored_inputs"] = engine.ignored_inputs();
+  if (const auto budget = engine.budget_report())
+    object["budget"] = {{"cut_ticks", budget->cut_ticks}, {"limited_ticks", budget->limited_ticks}};
   object["ms_per_tick"] = result.times.median_s() * 1e3;
   object["simulate_s"] = result.times.sum_s();
   object["hash"] = hex64(result.root_hash);
@@ -93,6 +95,8 @@ int run_run(const RunOptions& options) {
     if (inputs->lines != nullptr)
       print(
           fmt::format("  inputs    {}, of which {} to bodies already removed\n", input_count, engine.ignored_inputs()));
+    if (const auto budget = engine.budget_report())
+      print(fmt::format("  budget    {}\n", verifier::budget_text(*budget, result->tick_count)));
     if (inputs->clock != nullptr) print(fmt::format("  clock     {}\n", clock_text(*scene, inputs->clock->report())));
     print(fmt::format("  time      {:.4g} ms/tick (median), {:.3f} s in all\n", result->times.median_s() * 1e3,
                       result->times.sum_s()));

@@ -68,6 +68,9 @@ void print_text(const engine::Engine& engine, const DescribeOptions& options) {
   print(fmt::format("{}  {} bodies, {} prototypes, dt {:.6g} s, {}{} substeps\n", plain_line(scene.name),
                     scene.bodies.size(), scene.prototypes.size(), scene.settings.dt, scene.settings.substeps,
                     automatic ? ".." + std::to_string(automatic->substeps_max) : ""));
+  if (scene.settings.substep_budget > 0)
+    print(
+        fmt::format("  a tick costs at most about as much as with {} fixed substeps\n", scene.settings.substep_budget));
   print("choices\n");
   for (const ChoiceText& choice : choices_of(scene.settings)) {
     print(fmt::format("  {:<16} {:<20} {}\n", choice.key, choice.value, choice.summary));
@@ -107,6 +110,7 @@ void print_object(const engine::Engine& engine) {
   object["prototypes"] = scene.prototypes.size();
   object["dt"] = scene.settings.dt;
   object["substeps"] = scene.settings.substeps;
+  if (scene.settings.substep_budget > 0) object["substep_budget"] = scene.settings.substep_budget;
   object["inputs"] = Json::array();
   for (const engine::InputKind kind : scene.inputs)
     object["inputs"].push_back(engine::input_kinds[static_cast<std::size_t>(kind)].name);

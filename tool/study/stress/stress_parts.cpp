@@ -33,7 +33,7 @@ Scene with_method(Scene scene, const StressMethod& method) {
   if (method.joins_direct) scene.settings.joints = engine::JointSolverKind::direct;
   if (!engine::info_of(engine::solvers, method.solver).substeps) {
     scene.settings.substeps = 1;
-    scene.settings.auto_substeps.reset();
+    engine::fix_substeps(scene.settings);
     scene.settings.locate_impacts = false;
   }
   return scene;

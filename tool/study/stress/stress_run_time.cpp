@@ -81,6 +81,22 @@ Result<Scene> figures() {
   return engine::make_builtin_scene("rain?rows=1&columns=6&group=5");
 }
 
+Result<Scene> stack_10() {
+  return engine::make_builtin_scene("stack?boxes=10");
+}
+
+Result<Scene> stack_40() {
+  return engine::make_builtin_scene("stack?boxes=40");
+}
+
+Result<Scene> pyramid() {
+  return engine::make_builtin_scene("pyramid");
+}
+
+Result<Scene> chain() {
+  return engine::make_builtin_scene("chain");
+}
+
 // The smallest width of any moving shape, m.
 double smallest_size(const Scene& scene) {
   double least = HUGE_VAL;
@@ -102,13 +118,18 @@ Result<RunTimeRow> run_time_of(const RunTimeScene& each, Precision precision, co
   scene->settings.precision = precision;
   scene->settings.substeps = 4;
   scene->settings.auto_substeps.emplace();
+  scene->settings.substep_loads = options.loads;
+  scene->settings.substep_budget = options.budget;
   Scene fixed_scene = *scene;
-  fixed_scene.settings.auto_substeps.reset();
+  engine::fix_substeps(fixed_scene.settings);
+  Scene default_scene = fixed_scene;
   fixed_scene.settings.substeps = 64;
   Result<Run> automatic = Run::make(*scene);
   if (!automatic) return automatic.error();
   Result<Run> fixed = Run::make(fixed_scene);
   if (!fixed) return fixed.error();
+  Result<Run> by_default = Run::make(default_scene);
+  if (!by_default) return by_default.error();
   RunTimeRow row;
   row.scene = each.name;
   row.what = each.what;
@@ -123,15 +144,21 @@ Result<RunTimeRow> run_time_of(const RunTimeScene& each, Precision precision, co
       row.ticks_at_most += most >= scene->settings.auto_substeps->substeps_max ? 1 : 0;
     }
     if (const Status did = fixed->advance(count); !did) return did.error();
+    if (const Status did = by_default->advance(count); !did) return did.error();
     const double ours = automatic->step_time_s() - row.automatic_s;
     const double other = fixed->step_time_s() - row.fixed_s;
     if (other > 0) row.worst_ratio = std::max(row.worst_ratio, ours / other);
     row.automatic_s += ours;
     row.fixed_s += other;
+    row.default_s = by_default->step_time_s();
     row.tick_count += count;
     row.overlap = std::max(row.overlap, deepest_overlap(automatic->engine().contacts()) / size);
     row.gap = std::max(row.gap, largest(joint_gaps(*scene, automatic->bodies())));
     done(count);
+  }
+  if (const auto budget = automatic->engine().budget_report()) {
+    row.cut_ticks = budget->cut_ticks;
+    row.limited_ticks = budget->limited_ticks;
   }
   return row;
 }
@@ -147,6 +174,10 @@ const std::vector<RunTimeScene>& run_time_scenes() {
       {"card_house", "forty cards stand", card_house},
       {"dominoes", "thirty dominoes fall", dominoes},
       {"figures", "thirty jointed figures fall on a floor", figures},
+      {"stack_10", "ten boxes stand", stack_10},
+      {"stack_40", "forty boxes stand", stack_40},
+      {"pyramid", "a pyramid stands", pyramid},
+      {"chain", "a chain hangs", chain},
   };
   return scenes;
 }
