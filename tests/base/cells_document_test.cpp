@@ -297,6 +297,13 @@ TEST_CASE("the row kernels leave nothing in the upper halves of wide registers",
       const bool after_match = are_upper_halves_zero();
       kernels->hash(bytes, 100 * word_count, 1);
       const bool after_hash = are_upper_halves_zero();
+      alignas(64) std::array<std::uint8_t, 1024> hash_state;
+      std::uint64_t high, low;
+      kernels->start128(hash_state.data(), hash_state.size());
+      kernels->add128(hash_state.data(), bytes, 200 * word_count);
+      kernels->value128(hash_state.data(), &high, &low);
+      const bool after_hash128 = are_upper_halves_zero();
+      CHECK(after_hash128);
       CHECK(after_sums);
       CHECK(after_match);
       CHECK(after_hash);
