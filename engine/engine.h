@@ -83,10 +83,10 @@ struct BroadPhaseReport {
   std::vector<Pair> pairs;  // that the narrow phase will test
 };
 
-/// What a substep budget has cut so far, in ticks.
+/// The number of ticks so far that a substep budget has changed.
 struct BudgetReport {
-  std::uint64_t cut_ticks = 0;      // a shock was left before it had settled
-  std::uint64_t limited_ticks = 0;  // an island had fewer substeps than its loads need
+  std::uint64_t cut_ticks = 0;      // in which a shock was left before it had settled
+  std::uint64_t limited_ticks = 0;  // in which an island had fewer substeps than its loads need
 };
 
 class Engine : public Simulation {

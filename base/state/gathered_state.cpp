@@ -120,7 +120,7 @@ Status check_row_count(const std::string& place, const void* data, std::uint32_t
 }
 
 Status check_type(std::string_view table, std::string_view name, ScalarType type, std::uint32_t lane_count) {
-  // i8 and i16 need format version 3, which recorders do not write yet.
+  // The C interface has neither i8 nor i16.
   if (scalar_info(type) == nullptr || type > ScalarType::f64)
     return refused(place_of(table, name) + ": type: found " + std::to_string(static_cast<unsigned>(type)) +
                    ", expected one of 1..8 (u8 to f64)");

@@ -110,7 +110,7 @@ struct LoadRow {
 
 inline constexpr double saved_work_max = 0x1p53;
 
-/// What Settings::substep_budget has cut and saved so far.
+/// The ticks that Settings::substep_budget has changed so far, and the work that it has saved.
 struct BudgetRow {
   std::uint32_t cut_ticks;      // ticks in which a shock was left before it had settled
   std::uint32_t limited_ticks;  // ticks in which an island had fewer substeps than its loads need

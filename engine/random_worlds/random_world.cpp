@@ -32,8 +32,7 @@ RandomWorld random_world(std::uint64_t seed, const RandomWorldOptions& options) 
   if (world.scene.settings.auto_substeps && Draw(seed ^ loads_stream).half())
     world.scene.settings.substep_loads = SubstepLoads::measured;
   Draw budget(seed ^ budget_stream);
-  if (options.has_budgets && world.scene.settings.auto_substeps && budget.half())
-    world.scene.settings.substep_budget = 1 << budget.below(8);
+  if (world.scene.settings.auto_substeps && budget.half()) world.scene.settings.substep_budget = 1 << budget.below(8);
   add_forces(draw, plan, world.scene);
   world.inputs = add_inputs(draw, plan, world.scene);
   world.tick_count = plan.tick_count;

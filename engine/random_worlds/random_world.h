@@ -15,7 +15,6 @@ namespace ticktrue::engine {
 struct RandomWorldOptions {
   std::uint32_t body_count_max = 3000;
   std::uint32_t tick_count_max = 600;
-  bool has_budgets = true;  // half of the worlds with automatic substeps have a budget
 };
 
 struct RandomWorld {

@@ -12,9 +12,8 @@
 
 namespace ticktrue::engine {
 
-/// The options of the worlds in tests/worlds/hashes.tsv: small worlds, so that emulators can run them. They are older
-/// than budgets, and keep their hashes without.
-inline constexpr RandomWorldOptions hashed_worlds{60, 60, false};
+/// The options of the worlds in tests/worlds/hashes.tsv: small worlds, so that emulators can run them.
+inline constexpr RandomWorldOptions hashed_worlds{60, 60};
 
 /// A world, and the hash of its state after its last tick, or after the last tick without an error.
 struct WorldHash {

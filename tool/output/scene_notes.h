@@ -22,7 +22,7 @@ inline constexpr double f32_extent_refused = 0x1p20;
 /// positions too far from the origin for f32. Requires: a valid scene.
 std::vector<std::string> scene_notes(const engine::Scene& scene);
 
-/// What the substep budget of a scene has cut in a run.
+/// A line on the ticks of a run that the substep budget has changed.
 std::string budget_text(const engine::BudgetReport& report, std::uint64_t tick_count);
 
 /// For scenes that are loaded from a file or by name; the scene of a trace runs as it was recorded. `source` begins the

@@ -93,7 +93,10 @@ int run_random(const ScenesOptions& options) {
   engine::RandomWorld world = engine::random_world(*options.seed, limits);
   // The soak runs such worlds, too. A file of one would be refused.
   const bool is_too_far = !verifier::check_f32_reach(world.scene, options.output);
-  if (is_too_far) world.scene.settings.precision = engine::Precision::f64;
+  if (is_too_far) {
+    world.scene.settings.precision = engine::Precision::f64;
+    world.rows = engine::rows_of_world(world);
+  }
   if (const Status status = write_world(world, options); !status) return fail_usage(status.error());
   std::string rows;
   for (const std::string& row : world.rows) rows += (rows.empty() ? "" : " ") + row;
