@@ -1,5 +1,7 @@
 // Joints and force elements of random worlds. The tables of kinds list the fields of each kind.
 // SPDX-License-Identifier: MIT
+#include <algorithm>
+
 #include "base/hash.h"
 #include "engine/math/trig.h"
 #include "engine/random_worlds/world_builder.h"
@@ -255,7 +257,15 @@ void add_forces(Draw& draw, const WorldPlan& plan, Scene& scene) {
       inertia = body_mass(scene.bodies[body]).inertia;
     }
     const Point at = scene.bodies[body].position;
-    if (has(ForceField::other) && scene.bodies.size() > 1 && draw.half()) force.other = body == 0 ? 1 : body - 1;
+    if (has(ForceField::other) && scene.bodies.size() > 1 && draw.half()) {
+      force.other = body == 0 ? 1 : body - 1;
+      // The lighter end decides which spring explicit steps can follow.
+      const Body& other = scene.bodies[*force.other];
+      if (is_dynamic(other)) {
+        mass = std::min(mass, body_mass(other).mass);
+        inertia = std::min(inertia, body_mass(other).inertia);
+      }
+    }
     // Far from every body, since a central force is unbounded near its centre.
     const double away = 64 + 4.0 * static_cast<double>(scene.bodies.size());
     if (has(ForceField::exponent)) {
