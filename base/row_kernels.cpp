@@ -118,11 +118,16 @@ bool any_match_of(const std::uint8_t* rows, std::size_t stride, std::size_t row_
                   const std::uint32_t* want) {
   using Words = typename Vectors<width>::Words;
   const Words masks = load<width>(mask), wants = load<width>(want);
+  const auto match = [&](std::size_t row) {
+    return reinterpret_cast<Words>((load<width>(rows + row * stride) & masks) == wants);
+  };
   Words found = {};
-  for (std::size_t row = 0; row < row_count; ++row, rows += stride)
-    found |= reinterpret_cast<Words>((load<width>(rows) & masks) == wants);
-  std::uint32_t any = 0;
-  for (std::size_t i = 0; i < width; ++i) any |= found[i];
+  std::size_t row = 0;
+  for (; row + 4 <= row_count; row += 4) found |= (match(row) | match(row + 1)) | (match(row + 2) | match(row + 3));
+  for (; row < row_count; ++row) found |= match(row);
+  std::uint64_t halves[width / 2], any = 0;
+  memcpy(halves, &found, sizeof halves);
+  for (const std::uint64_t half : halves) any |= half;
   return any != 0;
 }
 
