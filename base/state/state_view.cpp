@@ -87,16 +87,33 @@ std::string place_text(const TableSchema& table, std::size_t row, const Column& 
 
 }  // namespace
 
+namespace {
+
+/// Appends what the root hash covers of a table.
+void digest_table(const TableSchema& table, const TableRows& table_rows, ByteWriter& digest) {
+  Bytes buffer;
+  const ByteView rows = canonical_rows(table, table_rows, buffer);
+  digest.u64(hash64({reinterpret_cast<const std::uint8_t*>(table.name.data()), table.name.size()}));
+  digest.u64(table_rows.row_count);
+  for (std::size_t offset = 0; offset < rows.size(); offset += hash_block_size)
+    digest.u64(hash64(rows.subspan(offset, std::min(hash_block_size, rows.size() - offset))));
+}
+
+}  // namespace
+
 std::uint64_t root_hash(const StateView& state) {
   ByteWriter digest;
-  Bytes buffer;
+  for (std::size_t t = 0; t < state.tables.size(); ++t) digest_table(state.schema->tables[t], state.tables[t], digest);
+  return hash64(digest.view());
+}
+
+std::uint64_t root_hash(const StateView& state, std::vector<std::uint64_t>& table_hashes) {
+  ByteWriter digest;
+  table_hashes.clear();
   for (std::size_t t = 0; t < state.tables.size(); ++t) {
-    const TableSchema& table = state.schema->tables[t];
-    const ByteView rows = canonical_rows(table, state.tables[t], buffer);
-    digest.u64(hash64({reinterpret_cast<const std::uint8_t*>(table.name.data()), table.name.size()}));
-    digest.u64(state.tables[t].row_count);
-    for (std::size_t offset = 0; offset < rows.size(); offset += hash_block_size)
-      digest.u64(hash64(rows.subspan(offset, std::min(hash_block_size, rows.size() - offset))));
+    const std::size_t begin = digest.size();
+    digest_table(state.schema->tables[t], state.tables[t], digest);
+    table_hashes.push_back(hash64(digest.view().subspan(begin)));
   }
   return hash64(digest.view());
 }
