@@ -6,6 +6,7 @@
 #include "engine/islands/islands.h"
 #include "engine/islands/substep_budget.h"
 #include "engine/islands/supports.h"
+#include "engine/math/trig.h"
 
 namespace ticktrue::engine::TICKTRUE_PRECISION {
 namespace {
@@ -45,16 +46,38 @@ Real own_load(const Model& model, const State& state, const IslandWork& work, st
   return work.known_force.empty() ? own : own + work.known_force[row];
 }
 
-/// Finds the forces on each body that are known before the tick: of elements, of inputs, and of motors along an axis. A
-/// motor far from its speed has its largest force, another motor the force of the last tick.
+/// The force of a pointer on its body, if something holds the body back: that of the spring at its present length, at
+/// most the largest force.
+Real pointer_force(const Model& model, const State& state, const PointerRow& pointer) {
+  const PointerSettings& settings = *model.scene.pointer;
+  const BodyRow& body = state.bodies[row_of(state, pointer.body)];
+  const Real mass = model.bodies[body.source].mass;
+  const Vec2 point = body.position + rotate(body.rotation, pointer.anchor);
+  const Real rate = Real(2 * pi) * static_cast<Real>(settings.hertz);
+  const Real wanted = (mass * rate * rate) * length(pointer.target - point);
+  return smaller(larger(wanted, length(pointer.force)), static_cast<Real>(settings.force_max_per_kg) * mass);
+}
+
+/// The force of dampings and drags on a body at its present velocity.
+Real drag_force(const Model& model, const BodyRow& body) {
+  const BodyModel& constants = model.bodies[body.source];
+  const Real speed = length(body.velocity);
+  const Real quadratic = model.body_forces.empty() ? Real(0) : model.body_forces[body.source].quadratic_drag;
+  return constants.mass * (constants.linear_damping + quadratic * speed) * speed;
+}
+
+/// Finds the forces on each body that are known before the tick: of elements, of inputs, of pointers, of dampings, and
+/// of motors along an axis. A motor far from its speed has its largest force, another motor the force of the last tick.
 void find_known_forces(const Model& model, const State& state, const TickLists& tick, IslandWork& work) {
   work.known_force.assign(state.bodies.size(), 0);
   for (std::uint32_t row = 0; row < state.bodies.size(); ++row) {
     const std::uint32_t source = state.bodies[row].source;
     Vec2 force = tick.force.empty() ? Vec2{} : tick.force[row];
     if (!model.body_forces.empty()) force = force + model.bodies[source].mass * model.body_forces[source].acceleration;
-    work.known_force[row] = length(force);
+    work.known_force[row] = length(force) + drag_force(model, state.bodies[row]);
   }
+  for (const PointerRow& pointer : state.pointers)
+    work.known_force[row_of(state, pointer.body)] += pointer_force(model, state, pointer);
   for (const JointRow& joint : state.joints) {
     if (!slides(joint)) continue;
     const std::uint32_t a = row_of(state, joint.body_a);
