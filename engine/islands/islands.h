@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include "engine/joints/direct/direct_components.h"
 #include "engine/math/union_find.h"
 #include "engine/model/model.h"
 #include "engine/model/poison.h"
@@ -48,6 +49,7 @@ struct IslandWork {
   std::vector<IslandError> island_errors;            // [body] at the island's first row
   std::vector<std::uint32_t> substeps_before;        // [body] at the island's first row
   std::vector<std::uint32_t> idle_ticks;             // [body] at the island's first row
+  DirectMarks direct;                                // empty unless loads are measured and joints are direct
   std::vector<std::uint64_t> island_work;            // [body] at the island's first row, of a substep
 };
 
@@ -55,11 +57,12 @@ template <typename Visit>
 void list_fields(IslandWork& of, const Visit& visit) {
   auto& [body_types, set_keys, island_awake, part_counts, supports, support_start, support_depth, support_order,
          joint_acceleration, load_moment, load_passed_on, tilt_errors, weights, measured, is_floating, known_force,
-         measured_force, measured_level, measured_level_before, island_errors, substeps_before, idle_ticks,
+         measured_force, measured_level, measured_level_before, island_errors, substeps_before, idle_ticks, direct,
          island_work] = of;
   visit(body_types, set_keys, island_awake, part_counts, supports, support_start, support_depth, support_order,
         joint_acceleration, load_moment, load_passed_on, tilt_errors, weights, measured, is_floating, known_force,
-        measured_force, measured_level, measured_level_before, island_errors, substeps_before, idle_ticks, island_work);
+        measured_force, measured_level, measured_level_before, island_errors, substeps_before, idle_ticks, direct,
+        island_work);
 }
 
 /// The stage that decides which bodies sleep, which bodies are solved together, and in how many substeps.

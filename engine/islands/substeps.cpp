@@ -90,6 +90,8 @@ void find_known_forces(const Model& model, const State& state, const TickLists& 
   }
 }
 
+constexpr Real turn_max = Real(0.1);  // rad, of a body on direct joints in a substep: a whip loses energy beyond
+
 // A measured load counts if it exceeds the weights by this factor, since measured loads of bodies at rest vary.
 constexpr Real excess_least = Real(1.25);
 
@@ -278,6 +280,26 @@ void raise_by_measured_loads(const Model& model, State& state, TickLists& tick, 
   }
 }
 
+/// Raises the levels of islands whose bodies turn too far in a substep on direct joints.
+void raise_by_turns(const Model& model, const State& state, TickLists& tick, const IslandWork& work, Real dt) {
+  const Settings& settings = model.scene.settings;
+  const auto least = static_cast<std::uint32_t>(settings.substeps);
+  const auto most = static_cast<std::uint32_t>(settings.auto_substeps->substeps_max);
+  for (std::size_t i = 0; i < work.direct.is_direct.size(); ++i) {
+    if (work.direct.is_direct[i] == 0) continue;
+    for_each_body(model, model.joints[state.joints[i].joint], [&](std::uint32_t id) {
+      const std::uint32_t row = row_of(state, id);
+      if (type_of(model, state, row) != BodyType::dynamic_body) return;
+      const Real turn = absolute(state.bodies[row].angular_velocity) * dt;
+      std::uint32_t count = least;
+      while (count < most && turn > turn_max * static_cast<Real>(count)) count *= 2;
+      count = count < most ? count : most;
+      std::uint32_t& level = tick.island_level[find_root(tick.island_parent, row)];
+      if (count > level) level = count;
+    });
+  }
+}
+
 }  // namespace
 
 void choose_substeps(const Model& model, State& state, TickLists& tick, IslandWork& work, Real dt) {
@@ -288,16 +310,19 @@ void choose_substeps(const Model& model, State& state, TickLists& tick, IslandWo
   tick.shock_is_cut = false;
   tick.island_has_resting_impact.assign(state.bodies.size(), 0);
   if (!settings.auto_substeps) return;
+  const bool is_measured = settings.substep_loads == SubstepLoads::measured;
+  work.direct.is_direct.clear();
+  if (is_measured && settings.joints == JointSolverKind::direct) mark_direct_joints(model, state, work.direct);
   list_supports(model, state, tick, work, dt / static_cast<Real>(reference_substeps));
   find_depths(model, state, work);
   find_joint_accelerations(state, work);
-  const bool is_measured = settings.substep_loads == SubstepLoads::measured;
   if (is_measured) find_known_forces(model, state, tick, work);
   estimate_errors(model, state, work, {}, work.weights);
   estimate_tilts(state, work);
   std::vector<std::uint32_t>& level = tick.island_level;
   raise_levels(model, state, tick, work.weights, work.tilt_errors, level);
   if (is_measured) raise_by_measured_loads(model, state, tick, work, level);
+  raise_by_turns(model, state, tick, work, dt);
   find_mass_factors(model, state, tick, work);
   tick.load = work.weights.load;
   // The number of substeps of an island rises at once and falls after enough idle ticks.
