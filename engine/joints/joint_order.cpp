@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: MIT
 #include "engine/joints/joint_order.h"
 
+#include "engine/integrators/integrator.h"
 #include "engine/joints/batched/level_schedule.h"
 #include "engine/model/solved_set.h"
 
@@ -11,9 +12,10 @@ namespace {
 /// A batch costs about as much as one joint of the scalar path, so two joints per level already pay.
 constexpr std::size_t joints_per_level_least = 2;
 
-JointPath path_of(const JointModel& joint) {
+/// `has_drift`: the integrator has a drift velocity, for which find_joint_changes leaves out springs and motors.
+JointPath path_of(const JointModel& joint, bool has_drift) {
   if (joint.is_plain_revolute) return JointPath::revolute;
-  return joint.is_driven_revolute ? JointPath::driven_revolute : JointPath::scalar;
+  return joint.is_driven_revolute && !has_drift ? JointPath::driven_revolute : JointPath::scalar;
 }
 
 /// Sorts the places by level and path, stable.
@@ -44,6 +46,7 @@ void order_joints(const SolvedSet& solved, bool may_use_wavefront, std::span<con
   const State& state = solved.state;
   const std::vector<BodyMass>& masses = solved.bodies.masses;
   const std::uint32_t sink = dummy_sink(solved.bodies);
+  const bool has_drift = integrator(model.scene.settings.integrator).drift_share > 0;
   out.places.clear();
   out.level_count = 0;
   out.schedule.exists = false;
@@ -65,7 +68,7 @@ void order_joints(const SolvedSet& solved, bool may_use_wavefront, std::span<con
     if (a_moves) work.body_levels[a] = level + 1;
     if (b_moves) work.body_levels[b] = level + 1;
     if (level >= out.level_count) out.level_count = level + 1;
-    const JointPath path = path_of(joint);
+    const JointPath path = path_of(joint, has_drift);
     in_batches += path == JointPath::scalar ? 0u : 1u;
     out.places.push_back({i, state.joints[i].joint, a, b, level, joint.kind, path, joint.anchor_a, joint.anchor_b});
   }

@@ -7,6 +7,8 @@
 
 #include "engine/joints/batched/driven_revolute_batch.h"
 #include "engine/joints/batched/revolute_batch.h"
+#include "engine/joints/direct/direct_components.h"
+#include "engine/joints/gears/gear_joints.h"
 #include "engine/joints/joint.h"
 #include "engine/joints/joint_inertia.h"
 #include "engine/joints/joint_plan.h"
@@ -23,13 +25,14 @@ struct JointWorkspace {
   std::vector<JointWork> joints;  // of the scalar path
   RevoluteBatches revolutes;
   DrivenRevoluteBatches driven_revolutes;
-  bool uses_wavefront = false;  // joints are solved by a wavefront sweep
+  std::vector<JointImpulses> impulses;  // [joint of the scalar path] while joints holds those of find_joint_changes
+  bool uses_wavefront = false;          // joints are solved by a wavefront sweep
 };
 
 template <typename Visit>
 void list_fields(JointWorkspace& of, const Visit& visit) {
-  auto& [plan, order, torques, joints, revolutes, driven_revolutes, uses_wavefront] = of;
-  visit(plan, order, torques, joints, revolutes, driven_revolutes, uses_wavefront);
+  auto& [plan, order, torques, joints, revolutes, driven_revolutes, impulses, uses_wavefront] = of;
+  visit(plan, order, torques, joints, revolutes, driven_revolutes, impulses, uses_wavefront);
 }
 
 /// Orders the joints of a set. `may_use_wavefront`: only joints act on its bodies in this tick. `left_out`: as for
@@ -42,6 +45,13 @@ void prepare_joints(const SolvedSet& solved, JointWorkspace& work);
 void save_joint_velocities(const SolvedSet& solved, JointWorkspace& work);
 void warm_start_joints(const SolvedSet& solved, JointWorkspace& work);
 void solve_joints(const SolvedSet& solved, JointWorkspace& work, Bias bias);
+/// Makes room for the changes of velocity that enter the drift whole (DriftVelocities::joint_changes), if the
+/// integrator has a drift velocity and the state has joints.
+void prepare_joint_changes(const SolvedSet& solved, MotionWorkspace& motion);
+/// The changes of velocity by the rigid rows and limits of joints and gears in this substep. Springs and motors act as
+/// forces do, so they are left out. Bodies in `direct` components keep what they have. Call before the drift.
+void find_joint_changes(const SolvedSet& solved, JointWorkspace& work, const std::vector<GearJoint>& gears,
+                        const DirectComponents& direct, MotionWorkspace& motion);
 // The same for some joints, in front `front` of a wavefront sweep (wavefront.h).
 void save_velocities_of(const SolvedSet& solved, JointWorkspace& work, const JointRange& range);
 void warm_start_range(const SolvedSet& solved, JointWorkspace& work, const JointRange& range, Poses poses,
