@@ -91,6 +91,7 @@ void find_known_forces(const Model& model, const State& state, const TickLists& 
 }
 
 constexpr Real turn_max = Real(0.1);  // rad, of a body on direct joints in a substep: a whip loses energy beyond
+constexpr Real sway_max = Real(0.6);  // rate times substep: light links between heavy bodies come apart beyond
 
 // A measured load counts if it exceeds the weights by this factor, since measured loads of bodies at rest vary.
 constexpr Real excess_least = Real(1.25);
@@ -280,7 +281,30 @@ void raise_by_measured_loads(const Model& model, State& state, TickLists& tick, 
   }
 }
 
-/// Raises the levels of islands whose bodies turn too far in a substep on direct joints.
+/// The squares of the rates, rad/s, at which bodies on direct joints sway: a joint that pulls with force F at distance
+/// r from the centre of mass turns its body back with F r per rad, and rods pull point masses back to their line.
+void find_sways(const Model& model, const State& state, IslandWork& work) {
+  if (work.direct.is_direct.empty()) return;
+  work.sway.assign(state.bodies.size(), 0);
+  for (std::size_t i = 0; i < work.direct.is_direct.size(); ++i) {
+    if (work.direct.is_direct[i] == 0) continue;
+    const JointRow& joint = state.joints[i];
+    const JointModel& constants = model.joints[joint.joint];
+    const Real force = length(joint.linear_force);
+    const bool is_rod = constants.kind == JointKind::distance && constants.length > 0;
+    const auto add = [&](std::uint32_t id, Vec2 anchor) {
+      if (id == no_reference) return;
+      const std::uint32_t row = row_of(state, id);
+      const BodyModel& body = model.bodies[state.bodies[row].source];
+      work.sway[row] += force * length(anchor) * body.inv_inertia;
+      if (is_rod) work.sway[row] += force / constants.length * body.inv_mass;
+    };
+    add(joint.body_a, constants.anchor_a);
+    add(joint.body_b, constants.anchor_b);
+  }
+}
+
+/// Raises the levels of islands whose bodies turn or sway too far in a substep on direct joints.
 void raise_by_turns(const Model& model, const State& state, TickLists& tick, const IslandWork& work, Real dt) {
   const Settings& settings = model.scene.settings;
   const auto least = static_cast<std::uint32_t>(settings.substeps);
@@ -291,8 +315,10 @@ void raise_by_turns(const Model& model, const State& state, TickLists& tick, con
       const std::uint32_t row = row_of(state, id);
       if (type_of(model, state, row) != BodyType::dynamic_body) return;
       const Real turn = absolute(state.bodies[row].angular_velocity) * dt;
+      const Real sway = square_root(work.sway[row]) * dt;
       std::uint32_t count = least;
-      while (count < most && turn > turn_max * static_cast<Real>(count)) count *= 2;
+      while (count < most && (turn > turn_max * static_cast<Real>(count) || sway > sway_max * static_cast<Real>(count)))
+        count *= 2;
       count = count < most ? count : most;
       std::uint32_t& level = tick.island_level[find_root(tick.island_parent, row)];
       if (count > level) level = count;
@@ -322,6 +348,7 @@ void choose_substeps(const Model& model, State& state, TickLists& tick, IslandWo
   std::vector<std::uint32_t>& level = tick.island_level;
   raise_levels(model, state, tick, work.weights, work.tilt_errors, level);
   if (is_measured) raise_by_measured_loads(model, state, tick, work, level);
+  find_sways(model, state, work);
   raise_by_turns(model, state, tick, work, dt);
   find_mass_factors(model, state, tick, work);
   tick.load = work.weights.load;

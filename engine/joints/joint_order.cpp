@@ -2,7 +2,6 @@
 // SPDX-License-Identifier: MIT
 #include "engine/joints/joint_order.h"
 
-#include "engine/integrators/integrator.h"
 #include "engine/joints/batched/level_schedule.h"
 #include "engine/model/solved_set.h"
 
@@ -12,7 +11,8 @@ namespace {
 /// A batch costs about as much as one joint of the scalar path, so two joints per level already pay.
 constexpr std::size_t joints_per_level_least = 2;
 
-/// `has_drift`: the integrator has a drift velocity, for which find_joint_changes leaves out springs and motors.
+/// Batches have no way to leave out springs and motors, as integrators with a drift velocity want it (joint_changes.h
+/// in solvers/).
 JointPath path_of(const JointModel& joint, bool has_drift) {
   if (joint.is_plain_revolute) return JointPath::revolute;
   return joint.is_driven_revolute && !has_drift ? JointPath::driven_revolute : JointPath::scalar;
@@ -46,7 +46,8 @@ void order_joints(const SolvedSet& solved, bool may_use_wavefront, std::span<con
   const State& state = solved.state;
   const std::vector<BodyMass>& masses = solved.bodies.masses;
   const std::uint32_t sink = dummy_sink(solved.bodies);
-  const bool has_drift = integrator(model.scene.settings.integrator).drift_share > 0;
+  // Of the integrators that carry joints, this one alone moves bodies with the end velocity.
+  const bool has_drift = model.scene.settings.integrator != IntegratorKind::semi_implicit_euler;
   out.places.clear();
   out.level_count = 0;
   out.schedule.exists = false;

@@ -7,8 +7,6 @@
 
 #include "engine/joints/batched/driven_revolute_batch.h"
 #include "engine/joints/batched/revolute_batch.h"
-#include "engine/joints/direct/direct_components.h"
-#include "engine/joints/gears/gear_joints.h"
 #include "engine/joints/joint.h"
 #include "engine/joints/joint_inertia.h"
 #include "engine/joints/joint_plan.h"
@@ -45,13 +43,6 @@ void prepare_joints(const SolvedSet& solved, JointWorkspace& work);
 void save_joint_velocities(const SolvedSet& solved, JointWorkspace& work);
 void warm_start_joints(const SolvedSet& solved, JointWorkspace& work);
 void solve_joints(const SolvedSet& solved, JointWorkspace& work, Bias bias);
-/// Makes room for the changes of velocity that enter the drift whole (DriftVelocities::joint_changes), if the
-/// integrator has a drift velocity and the state has joints.
-void prepare_joint_changes(const SolvedSet& solved, MotionWorkspace& motion);
-/// The changes of velocity by the rigid rows and limits of joints and gears in this substep. Springs and motors act as
-/// forces do, so they are left out. Bodies in `direct` components keep what they have. Call before the drift.
-void find_joint_changes(const SolvedSet& solved, JointWorkspace& work, const std::vector<GearJoint>& gears,
-                        const DirectComponents& direct, MotionWorkspace& motion);
 // The same for some joints, in front `front` of a wavefront sweep (wavefront.h).
 void save_velocities_of(const SolvedSet& solved, JointWorkspace& work, const JointRange& range);
 void warm_start_range(const SolvedSet& solved, JointWorkspace& work, const JointRange& range, Poses poses,

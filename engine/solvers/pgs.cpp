@@ -7,6 +7,7 @@
 #include "engine/integrators/integrator.h"
 #include "engine/islands/solver_sets.h"
 #include "engine/model/bodies.h"
+#include "engine/solvers/joint_changes.h"
 #include "engine/solvers/solver.h"
 
 namespace ticktrue::engine::TICKTRUE_PRECISION {

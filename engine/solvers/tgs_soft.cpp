@@ -7,6 +7,7 @@
 #include "engine/islands/solver_sets.h"
 #include "engine/islands/substep_budget.h"
 #include "engine/solvers/fault.h"
+#include "engine/solvers/joint_changes.h"
 #include "engine/solvers/solver.h"
 #include "engine/solvers/substep_strategies.h"
 

@@ -38,8 +38,8 @@ struct StressCommand {
   bool no_limits = false;
   bool limits_alone = false;
   bool run_time = false;
-  std::string loads = "weight";
-  std::uint64_t budget = 0;
+  std::string loads = "measured";
+  std::uint64_t budget = engine::default_substep_budget;
   bool brief = false;
   bool list = false;
   bool example = false;
@@ -305,8 +305,8 @@ int run_run_times(const StressCommand& command) {
   std::string command_line = "ticktrue stress --run-time";
   for (const std::string& name : command.cases) command_line += " " + name;
   for (const std::string& name : command.precisions) command_line += " --precision " + name;
-  if (command.loads != "weight") command_line += " --loads " + command.loads;
-  if (command.budget > 0) command_line += " --budget " + std::to_string(command.budget);
+  if (command.loads != "measured") command_line += " --loads " + command.loads;
+  if (command.budget != engine::default_substep_budget) command_line += " --budget " + std::to_string(command.budget);
   if (command.files.json)
     print_json(run_time_json(*rows, command_line));
   else
@@ -391,10 +391,11 @@ void add_stress(CLI::App& app, CliContext& context) {
           ->excludes(limits);
   std::vector<std::string> loads;
   for (const auto& info : engine::substep_loads) loads.emplace_back(info.name);
-  command->add_option("--loads", options->loads, "Of --run-time: substep_loads of the scenes")
+  command->add_option("--loads", options->loads, "Of --run-time: substep_loads of the scenes; default: measured")
       ->needs(run_time)
       ->check(CLI::IsMember(loads));
-  add_number(*command, "--budget", options->budget, "Of --run-time: substep_budget of the scenes; default: 0, no limit",
+  add_number(*command, "--budget", options->budget,
+             "Of --run-time: substep_budget of the scenes, 0: no limit; default: 160",
              {0, static_cast<std::uint64_t>(engine::ranges::substep_budget.max)})
       ->needs(run_time);
   command->add_flag("--brief", options->brief, "One line a case");

@@ -117,12 +117,11 @@ Result<RunTimeRow> run_time_of(const RunTimeScene& each, Precision precision, co
   if (!scene) return scene.error();
   scene->settings.precision = precision;
   scene->settings.substeps = 4;
-  scene->settings.auto_substeps.emplace();
+  Scene fixed_scene = *scene;
+  Scene default_scene = *scene;
+  engine::choose_substeps(scene->settings);
   scene->settings.substep_loads = options.loads;
   scene->settings.substep_budget = options.budget;
-  Scene fixed_scene = *scene;
-  engine::fix_substeps(fixed_scene.settings);
-  Scene default_scene = fixed_scene;
   fixed_scene.settings.substeps = 64;
   Result<Run> automatic = Run::make(*scene);
   if (!automatic) return automatic.error();

@@ -47,8 +47,8 @@ inline constexpr std::uint64_t run_time_window = 10;  // ticks of one run before
 struct RunTimeOptions {
   std::vector<std::string> names;  // names of scenes, or their beginnings; empty: all
   std::vector<engine::Precision> precisions{engine::Precision::f32};
-  engine::SubstepLoads loads = engine::SubstepLoads::weight;
-  int budget = 0;  // Settings::substep_budget
+  engine::SubstepLoads loads = engine::SubstepLoads::measured;
+  int budget = engine::default_substep_budget;  // Settings::substep_budget
   std::uint64_t tick_count = 300;
   double seconds_max = 20;  // CPU time: a scene ends after the window that reaches this time
   std::function<void(std::uint64_t done, std::uint64_t total)> progress;  // counts ticks of all scenes
