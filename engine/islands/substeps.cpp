@@ -254,37 +254,9 @@ void add_side_errors(const Model& model, const State& state, const IslandWork& w
   }
 }
 
-/// Raises the levels of islands whose constraints held more than the weights, both in this tick's forces and in those
-/// of the tick before. One impact therefore does not count.
-void raise_by_measured_loads(const Model& model, State& state, TickLists& tick, IslandWork& work,
-                             std::vector<std::uint32_t>& level) {
-  work.measured_force.assign(state.bodies.size(), 0);
-  for (const std::uint32_t row : work.support_order)
-    for_each_carrier(work, row, [&](const Support& support) { work.measured_force[row] += support.force; });
-  estimate_errors(model, state, work, work.measured_force, work.measured);
-  add_side_errors(model, state, work, work.measured);
-  std::vector<std::uint32_t>& now = work.measured_level;
-  now.assign(state.bodies.size(), static_cast<std::uint32_t>(model.scene.settings.substeps));
-  raise_levels(model, state, tick, work.measured, work.tilt_errors, now);
-  std::vector<std::uint32_t>& before = work.measured_level_before;
-  before.assign(state.bodies.size(), 0);
-  for (std::uint32_t row = 0; row < state.bodies.size(); ++row) {
-    const std::uint32_t root = find_root(tick.island_parent, row);
-    if (state.loads[row].wanted > before[root]) before[root] = state.loads[row].wanted;
-  }
-  for (std::uint32_t row = 0; row < state.bodies.size(); ++row) {
-    if (type_of(model, state, row) != BodyType::dynamic_body) continue;
-    const std::uint32_t root = find_root(tick.island_parent, row);
-    state.loads[row].wanted = now[root];
-    const std::uint32_t both = now[root] < before[root] ? now[root] : before[root];
-    if (both > level[root]) level[root] = both;
-  }
-}
-
 /// The squares of the rates, rad/s, at which bodies on direct joints sway: a joint that pulls with force F at distance
 /// r from the centre of mass turns its body back with F r per rad, and rods pull point masses back to their line.
 void find_sways(const Model& model, const State& state, IslandWork& work) {
-  if (work.direct.is_direct.empty()) return;
   work.sway.assign(state.bodies.size(), 0);
   for (std::size_t i = 0; i < work.direct.is_direct.size(); ++i) {
     if (work.direct.is_direct[i] == 0) continue;
@@ -304,8 +276,10 @@ void find_sways(const Model& model, const State& state, IslandWork& work) {
   }
 }
 
-/// Raises the levels of islands whose bodies turn or sway too far in a substep on direct joints.
-void raise_by_turns(const Model& model, const State& state, TickLists& tick, const IslandWork& work, Real dt) {
+/// Raises the levels of islands with bodies on direct joints until rate_of(row) times a substep is at most `most_turn`.
+template <typename RateOf>
+void raise_by_rates(const Model& model, const State& state, TickLists& tick, const IslandWork& work, Real dt,
+                    Real most_turn, const RateOf& rate_of, std::vector<std::uint32_t>& level) {
   const Settings& settings = model.scene.settings;
   const auto least = static_cast<std::uint32_t>(settings.substeps);
   const auto most = static_cast<std::uint32_t>(settings.auto_substeps->substeps_max);
@@ -314,15 +288,43 @@ void raise_by_turns(const Model& model, const State& state, TickLists& tick, con
     for_each_body(model, model.joints[state.joints[i].joint], [&](std::uint32_t id) {
       const std::uint32_t row = row_of(state, id);
       if (type_of(model, state, row) != BodyType::dynamic_body) return;
-      const Real turn = absolute(state.bodies[row].angular_velocity) * dt;
-      const Real sway = square_root(work.sway[row]) * dt;
+      const Real turn = rate_of(row) * dt;
       std::uint32_t count = least;
-      while (count < most && (turn > turn_max * static_cast<Real>(count) || sway > sway_max * static_cast<Real>(count)))
-        count *= 2;
+      while (count < most && turn > most_turn * static_cast<Real>(count)) count *= 2;
       count = count < most ? count : most;
-      std::uint32_t& level = tick.island_level[find_root(tick.island_parent, row)];
-      if (count > level) level = count;
+      std::uint32_t& at = level[find_root(tick.island_parent, row)];
+      if (count > at) at = count;
     });
+  }
+}
+
+/// Raises the levels of islands whose constraints held more than the weights, both in this tick's forces and in those
+/// of the tick before. One impact therefore does not count.
+void raise_by_measured_loads(const Model& model, State& state, TickLists& tick, IslandWork& work, Real dt,
+                             std::vector<std::uint32_t>& level) {
+  work.measured_force.assign(state.bodies.size(), 0);
+  for (const std::uint32_t row : work.support_order)
+    for_each_carrier(work, row, [&](const Support& support) { work.measured_force[row] += support.force; });
+  estimate_errors(model, state, work, work.measured_force, work.measured);
+  add_side_errors(model, state, work, work.measured);
+  std::vector<std::uint32_t>& now = work.measured_level;
+  now.assign(state.bodies.size(), static_cast<std::uint32_t>(model.scene.settings.substeps));
+  raise_levels(model, state, tick, work.measured, work.tilt_errors, now);
+  find_sways(model, state, work);
+  const auto sway_of = [&](std::uint32_t row) { return square_root(work.sway[row]); };
+  raise_by_rates(model, state, tick, work, dt, sway_max, sway_of, now);
+  std::vector<std::uint32_t>& before = work.measured_level_before;
+  before.assign(state.bodies.size(), 0);
+  for (std::uint32_t row = 0; row < state.bodies.size(); ++row) {
+    const std::uint32_t root = find_root(tick.island_parent, row);
+    if (state.loads[row].wanted > before[root]) before[root] = state.loads[row].wanted;
+  }
+  for (std::uint32_t row = 0; row < state.bodies.size(); ++row) {
+    if (type_of(model, state, row) != BodyType::dynamic_body) continue;
+    const std::uint32_t root = find_root(tick.island_parent, row);
+    state.loads[row].wanted = now[root];
+    const std::uint32_t both = now[root] < before[root] ? now[root] : before[root];
+    if (both > level[root]) level[root] = both;
   }
 }
 
@@ -347,9 +349,9 @@ void choose_substeps(const Model& model, State& state, TickLists& tick, IslandWo
   estimate_tilts(state, work);
   std::vector<std::uint32_t>& level = tick.island_level;
   raise_levels(model, state, tick, work.weights, work.tilt_errors, level);
-  if (is_measured) raise_by_measured_loads(model, state, tick, work, level);
-  find_sways(model, state, work);
-  raise_by_turns(model, state, tick, work, dt);
+  if (is_measured) raise_by_measured_loads(model, state, tick, work, dt, level);
+  const auto turn_of = [&](std::uint32_t row) { return absolute(state.bodies[row].angular_velocity); };
+  raise_by_rates(model, state, tick, work, dt, turn_max, turn_of, level);
   find_mass_factors(model, state, tick, work);
   tick.load = work.weights.load;
   // The number of substeps of an island rises at once and falls after enough idle ticks.
