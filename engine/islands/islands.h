@@ -51,6 +51,7 @@ struct IslandWork {
   std::vector<std::uint32_t> idle_ticks;             // [body] at the island's first row
   DirectMarks direct;                                // empty unless loads are measured and joints are direct
   std::vector<Real> sway;                            // [body] 1/s^2, of bodies on direct joints
+  std::vector<std::uint8_t> has_direct;              // [body] at the island's first row: it has direct joints
   std::vector<std::uint64_t> island_work;            // [body] at the island's first row, of a substep
 };
 
@@ -59,11 +60,11 @@ void list_fields(IslandWork& of, const Visit& visit) {
   auto& [body_types, set_keys, island_awake, part_counts, supports, support_start, support_depth, support_order,
          joint_acceleration, load_moment, load_passed_on, tilt_errors, weights, measured, is_floating, known_force,
          measured_force, measured_level, measured_level_before, island_errors, substeps_before, idle_ticks, direct,
-         sway, island_work] = of;
+         sway, has_direct, island_work] = of;
   visit(body_types, set_keys, island_awake, part_counts, supports, support_start, support_depth, support_order,
         joint_acceleration, load_moment, load_passed_on, tilt_errors, weights, measured, is_floating, known_force,
-        measured_force, measured_level, measured_level_before, island_errors, substeps_before, idle_ticks, direct,
-        sway, island_work);
+        measured_force, measured_level, measured_level_before, island_errors, substeps_before, idle_ticks, direct, sway,
+        has_direct, island_work);
 }
 
 /// The stage that decides which bodies sleep, which bodies are solved together, and in how many substeps.

@@ -2,6 +2,8 @@
 // SPDX-License-Identifier: MIT
 // Source: the deflection of soft constraints falls as substeps^-2. The error is force / (effective mass * omega^2),
 // with omega proportional to the substep rate. Hence n = 4 sqrt(error at 4 substeps / allowed error).
+#include <algorithm>
+
 #include "base/limits.h"
 #include "engine/islands/islands.h"
 #include "engine/islands/substep_budget.h"
@@ -90,8 +92,9 @@ void find_known_forces(const Model& model, const State& state, const TickLists& 
   }
 }
 
-constexpr Real turn_max = Real(0.1);  // rad, of a body on direct joints in a substep: a whip loses energy beyond
-constexpr Real sway_max = Real(0.6);  // rate times substep: light links between heavy bodies come apart beyond
+constexpr Real turn_max = Real(0.1);   // rad, of a body on direct joints in a substep: a whip loses energy beyond
+constexpr Real sway_max = Real(0.6);   // rate times substep: light links between heavy bodies come apart beyond
+constexpr int sway_substeps_max = 64;  // enough for 10,000 times the mass of a link at its end
 
 // A measured load counts if it exceeds the weights by this factor, since measured loads of bodies at rest vary.
 constexpr Real excess_least = Real(1.25);
@@ -276,13 +279,14 @@ void find_sways(const Model& model, const State& state, IslandWork& work) {
   }
 }
 
-/// Raises the levels of islands with bodies on direct joints until rate_of(row) times a substep is at most `most_turn`.
+/// Raises the levels of islands with bodies on direct joints until rate_of(row) times a substep is at most `most_turn`,
+/// up to `substeps_max`.
 template <typename RateOf>
 void raise_by_rates(const Model& model, const State& state, TickLists& tick, const IslandWork& work, Real dt,
-                    Real most_turn, const RateOf& rate_of, std::vector<std::uint32_t>& level) {
+                    Real most_turn, int substeps_max, const RateOf& rate_of, std::vector<std::uint32_t>& level) {
   const Settings& settings = model.scene.settings;
   const auto least = static_cast<std::uint32_t>(settings.substeps);
-  const auto most = static_cast<std::uint32_t>(settings.auto_substeps->substeps_max);
+  const auto most = static_cast<std::uint32_t>(std::min(settings.auto_substeps->substeps_max, substeps_max));
   for (std::size_t i = 0; i < work.direct.is_direct.size(); ++i) {
     if (work.direct.is_direct[i] == 0) continue;
     for_each_body(model, model.joints[state.joints[i].joint], [&](std::uint32_t id) {
@@ -312,7 +316,7 @@ void raise_by_measured_loads(const Model& model, State& state, TickLists& tick, 
   raise_levels(model, state, tick, work.measured, work.tilt_errors, now);
   find_sways(model, state, work);
   const auto sway_of = [&](std::uint32_t row) { return square_root(work.sway[row]); };
-  raise_by_rates(model, state, tick, work, dt, sway_max, sway_of, now);
+  raise_by_rates(model, state, tick, work, dt, sway_max, sway_substeps_max, sway_of, now);
   std::vector<std::uint32_t>& before = work.measured_level_before;
   before.assign(state.bodies.size(), 0);
   for (std::uint32_t row = 0; row < state.bodies.size(); ++row) {
@@ -351,7 +355,7 @@ void choose_substeps(const Model& model, State& state, TickLists& tick, IslandWo
   raise_levels(model, state, tick, work.weights, work.tilt_errors, level);
   if (is_measured) raise_by_measured_loads(model, state, tick, work, dt, level);
   const auto turn_of = [&](std::uint32_t row) { return absolute(state.bodies[row].angular_velocity); };
-  raise_by_rates(model, state, tick, work, dt, turn_max, turn_of, level);
+  raise_by_rates(model, state, tick, work, dt, turn_max, settings.auto_substeps->substeps_max, turn_of, level);
   find_mass_factors(model, state, tick, work);
   tick.load = work.weights.load;
   // The number of substeps of an island rises at once and falls after enough idle ticks.
