@@ -82,34 +82,56 @@ void cover_words(std::size_t word_count, const Block& block) {
   if (word < word_count) block(word_count - 4, Width<4>());
 }
 
-template <std::size_t width>
+/// Sums the products of a vector of words and of `more` words behind it: vector and scalar units work side by side.
+template <std::size_t width, std::size_t more>
 void sum_products_of(const std::uint32_t* rows, std::size_t stride, std::size_t first, std::size_t row_count,
                      std::uint64_t* out) {
   using V = Vectors<width>;
   typename V::Sums even = {}, odd = {};
-  const typename V::Words step = typename V::Words{} + row_step;
-  typename V::Words key = step * (static_cast<std::uint32_t>(first) + 1);
-  std::size_t row = 0;
-  for (; row + 1 < row_count; row += 2, rows += 2 * stride, key += 2 * step) {
-    const typename V::Words a = load<width>(rows) + key;
-    const typename V::Words b = load<width>(rows + stride) + key + step;
+  std::uint64_t single[more + 1] = {};
+  std::uint32_t key = (static_cast<std::uint32_t>(first) + 1) * row_step;
+  typename V::Words keys = typename V::Words{} + key, next_keys = keys + row_step;
+  const auto add = [&](typename V::Words a, typename V::Words b) {
     even += V::multiply_even(a, b);
     odd += V::multiply_even(V::odd_words(a), V::odd_words(b));
+  };
+  std::size_t row = 0;
+  for (; row + 1 < row_count; row += 2, rows += 2 * stride, key += 2 * row_step) {
+    add(load<width>(rows) + keys, load<width>(rows + stride) + next_keys);
+    for (std::size_t i = 0; i < more; ++i) {
+      const std::uint32_t a = rows[width + i] + key;
+      const std::uint32_t b = rows[stride + width + i] + key + row_step;
+      single[i] += std::uint64_t{a} * b;
+    }
+    keys += 2 * row_step;
+    next_keys += 2 * row_step;
   }
   if (row < row_count) {
-    const typename V::Words a = load<width>(rows) + key;
-    const typename V::Words b = key + step;
-    even += V::multiply_even(a, b);
-    odd += V::multiply_even(V::odd_words(a), V::odd_words(b));
+    add(load<width>(rows) + keys, next_keys);
+    for (std::size_t i = 0; i < more; ++i) single[i] += std::uint64_t{rows[width + i] + key} * (key + row_step);
   }
   for (std::size_t word = 0; word < width; ++word) out[word] = (word % 2 == 0 ? even : odd)[word / 2];
+  for (std::size_t i = 0; i < more; ++i) out[width + i] = single[i];
 }
 
 void sum_products(const std::uint32_t* rows, std::size_t word_count, std::size_t first, std::size_t row_count,
                   std::uint64_t* sums) {
-  cover_words(word_count, [&]<std::size_t width>(std::size_t word, Width<width>) {
-    sum_products_of<width>(rows + word, word_count, first, row_count, sums + word);
-  });
+  std::size_t word = 0;
+  const auto sum_all = [&]<std::size_t width>(Width<width>) {
+    while (word + width <= word_count) {
+      const std::size_t left = word_count - word - width;
+      const std::size_t more = left <= 2 ? left : 0;
+      const auto sum = more == 0   ? sum_products_of<width, 0>
+                       : more == 1 ? sum_products_of<width, 1>
+                                   : sum_products_of<width, 2>;
+      sum(rows + word, word_count, first, row_count, sums + word);
+      word += width + more;
+    }
+  };
+  sum_all(Width<widest>());
+  sum_all(Width<4>());
+  if (word < word_count)
+    sum_products_of<4, 0>(rows + word_count - 4, word_count, first, row_count, sums + word_count - 4);
   clear_upper_halves();
 }
 
@@ -118,11 +140,16 @@ bool any_match_of(const std::uint8_t* rows, std::size_t stride, std::size_t row_
                   const std::uint32_t* want) {
   using Words = typename Vectors<width>::Words;
   const Words masks = load<width>(mask), wants = load<width>(want);
+  const auto match = [&](std::size_t row) {
+    return reinterpret_cast<Words>((load<width>(rows + row * stride) & masks) == wants);
+  };
   Words found = {};
-  for (std::size_t row = 0; row < row_count; ++row, rows += stride)
-    found |= reinterpret_cast<Words>((load<width>(rows) & masks) == wants);
-  std::uint32_t any = 0;
-  for (std::size_t i = 0; i < width; ++i) any |= found[i];
+  std::size_t row = 0;
+  for (; row + 4 <= row_count; row += 4) found |= (match(row) | match(row + 1)) | (match(row + 2) | match(row + 3));
+  for (; row < row_count; ++row) found |= match(row);
+  std::uint64_t halves[width / 2], any = 0;
+  memcpy(halves, &found, sizeof halves);
+  for (const std::uint64_t half : halves) any |= half;
   return any != 0;
 }
 

@@ -1,4 +1,4 @@
-// Compares each state with the first one, for the columns without a change so far.
+// Compares tables that changed with those of the first state, for the columns without a change so far.
 // SPDX-License-Identifier: MIT
 #include "capi/change_summary.h"
 
@@ -26,18 +26,17 @@ std::size_t first_column(const TableSchema& schema) {
 
 }  // namespace
 
+/// Looks for columns of a table that differ from the first state. Requires: the table differs.
 void ChangeSummary::compare(std::size_t number, const TableRows& rows) {
   Table& table = tables_[number];
   const TableSchema& schema = first_->view().schema->tables[number];
   const TableRows& first = first_->view().tables[number];
-  table.had_rows = table.had_rows || rows.row_count > 0;
   if (table.constant.empty()) return;
   if (rows.row_count != first.row_count) {
     table.constant.clear();  // rows were added or removed
     return;
   }
   const std::size_t size = schema.row_size;
-  if (rows.row_count == 0 || std::memcmp(rows.data, first.data, size * rows.row_count) == 0) return;
   std::erase_if(table.constant, [&](std::size_t c) {
     const Column& column = schema.columns[c];
     const std::size_t column_size = static_cast<std::size_t>(scalar_info(column.type)->size) * column.lane_count;
@@ -47,16 +46,20 @@ void ChangeSummary::compare(std::size_t number, const TableRows& rows) {
   });
 }
 
-void ChangeSummary::add(const StateView& state) {
+void ChangeSummary::add(const StateView& state, std::span<const std::uint64_t> table_hashes) {
   if (!first_) {
     first_.emplace(state);
+    first_hashes_.assign(table_hashes.begin(), table_hashes.end());
     tables_.resize(state.tables.size());
     for (std::size_t t = 0; t < tables_.size(); ++t) {
       const TableSchema& schema = state.schema->tables[t];
       for (std::size_t c = first_column(schema); c < schema.columns.size(); ++c) tables_[t].constant.push_back(c);
     }
   }
-  for (std::size_t t = 0; t < tables_.size(); ++t) compare(t, state.tables[t]);
+  for (std::size_t t = 0; t < tables_.size(); ++t) {
+    tables_[t].had_rows = tables_[t].had_rows || state.tables[t].row_count > 0;
+    if (table_hashes[t] != first_hashes_[t]) compare(t, state.tables[t]);
+  }
 }
 
 std::vector<std::string> ChangeSummary::lines() const {

@@ -5,6 +5,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -16,7 +17,8 @@ namespace ticktrue::capi {
 /// Watches each confirmed state. A column that has changed costs no more time.
 class ChangeSummary {
  public:
-  void add(const StateView& state);
+  /// `table_hashes`: of this state. A table with the hash that it had in the first state counts as unchanged.
+  void add(const StateView& state, std::span<const std::uint64_t> table_hashes);
   /// One line each. Empty: nothing to report, or nothing changed at all.
   std::vector<std::string> lines() const;
 
@@ -28,6 +30,7 @@ class ChangeSummary {
   void compare(std::size_t number, const TableRows& rows);
 
   std::optional<KeptState> first_;
+  std::vector<std::uint64_t> first_hashes_;  // [table]
   std::vector<Table> tables_;
 };
 

@@ -242,7 +242,10 @@ int Session::start() {
   if (!state_.is_frozen())
     if (const Status status = state_.freeze(); !status) return fail(status.error());
   if (const Status status = gather(); !status) return fail(status.error());
-  if (!comparing_) changes_.add(state_.view());
+  if (!comparing_) {
+    root_hash(state_.view(), table_hashes_);
+    changes_.add(state_.view(), table_hashes_);
+  }
   peers_->begin(state_.view());
   if (is_live_) return TICKTRUE_OK;
   if (recording_) {
@@ -316,7 +319,7 @@ MarkDetail Session::mark_detail() const {
 }
 
 int Session::take(DoneTick done) {
-  done.root_hash = root_hash(*done.state);
+  done.root_hash = root_hash(*done.state, table_hashes_);
   if (trail_ != nullptr) trail_->write(done.tick, *done.bound);
   if (!comparing_ && !is_recording()) {
     take_live_tick(done);

@@ -207,6 +207,7 @@ class Session {
   std::uint64_t live_root_ = 0;          // of the last confirmed tick
   std::vector<std::string> live_notes_;  // notes of the report
   ChangeSummary changes_;
+  std::vector<std::uint64_t> table_hashes_;  // of the last state whose root was hashed
   bool is_recording_lost_ = false;
   std::vector<std::string> file_notes_;    // notes about bundles and saved boxes
   std::string desync_text_, desync_json_;  // text and JSON of the report

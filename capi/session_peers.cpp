@@ -41,7 +41,7 @@ void put_text(const std::string& from, char* text, std::size_t text_size) {
 void Session::take_live_tick(const DoneTick& done) {
   live_root_ = done.root_hash;
   live_time_s_ += done.dt;
-  if (!comparing_) changes_.add(*done.state);
+  if (!comparing_) changes_.add(*done.state, table_hashes_);
   peers_->add(done.tick, done.root_hash, done.dt, done.inputs, *done.state);
 }
 

@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "base/assert.h"
+#include "base/hash.h"
 #include "base/row_kernels.h"
 
 namespace ticktrue {
@@ -14,8 +15,8 @@ namespace {
 
 constexpr std::uint64_t multiplier = 0xd6e8feb86659fd93u;  // odd, bits without pattern
 constexpr std::uint32_t no_owner = 0xffffffffu;
-// From so many tables on, rows are kept: in a tick of a program with many tables, most of them do not change. Below,
-// nearly all change, and comparing and copying them would cost more than hashing.
+// From so many tables on, values of rows are kept: in a tick of a program with many tables, most of them do not change.
+// Below, nearly all change, and finding that out would cost more than it spares.
 constexpr std::size_t kept_table_count_min = 65;
 
 /// One step of a chain; a bijection of `hash` for each `word` and of `word` for each `hash`.
@@ -257,11 +258,11 @@ bool CellHasher::find_owners(const Table& table, const std::uint32_t* row_words)
 }
 
 /// Fills words_, first_owner_ and lookups_.
-void CellHasher::prepare(const StateView& state) {
+void CellHasher::prepare(const StateView& state, Tables which) {
   TICKTRUE_ASSERT(state.tables.size() == tables_.size());
   std::size_t owner_count = 0;
   for (std::size_t t = 0; t < tables_.size(); ++t) {
-    if (tables_[t].is_unchanged) continue;
+    if (which == Tables::not_kept && tables_[t].is_kept) continue;
     words_[t] = words_of(t, state.tables[t]);
     first_owner_[t] = owner_count;
     if (tables_[t].owns) owner_count += state.tables[t].row_count;
@@ -272,12 +273,21 @@ void CellHasher::prepare(const StateView& state) {
 
 namespace {
 
-/// Xors a value into its cells.
-inline void put_value(std::uint16_t* cells, std::uint32_t partition_cells, const CellPlace& place,
+/// The value of an owner in its cells.
+inline std::uint64_t owner_value(const CellPlace& place, std::uint64_t sum) {
+  return mix(sum, place.key);
+}
+
+/// Xors a value into its wide cells.
+inline void put_value(std::uint64_t* cells, std::uint32_t partition_cells, const CellPlace& place,
                       std::uint64_t value) {
-  value = mix(value, place.key);
-  for (std::size_t p = 0; p < partition_count; ++p, cells += partition_cells)
-    cells[place.cells[p]] = static_cast<std::uint16_t>(cells[place.cells[p]] ^ (value >> (16 * p)));
+  for (std::size_t p = 0; p < partition_count; ++p, cells += partition_cells) cells[place.cells[p]] ^= value;
+}
+
+/// The bits of its partition in each cell.
+void narrow_cells(const std::uint64_t* wide, std::uint32_t partition_cells, std::uint16_t* cells) {
+  for (std::size_t p = 0; p < partition_count; ++p)
+    for (std::size_t i = 0; i < partition_cells; ++i) *cells++ = static_cast<std::uint16_t>(*wide++ >> (16 * p));
 }
 
 CellPlace place_of(const CellOwner& owner, std::uint32_t partition_cells) {
@@ -297,35 +307,31 @@ void CellHasher::hash(const StateView& state, std::uint32_t partition_cells, Sta
   for (std::size_t t = 0; t < tables_.size(); ++t)
     if (tables_[t].owns) owner_count += state.tables[t].row_count;
   out.partition_cells = partition_cells == 0 ? partition_cells_for(owner_count) : partition_cells;
-  out.cells.assign(partition_count * out.partition_cells, 0);
   out.row_counts.clear();
   if (places_cells_ != out.partition_cells) {
-    for (Table& table : tables_) table.places.clear();
     places_cells_ = out.partition_cells;
-    forget_rows();
+    forget_values();
   }
-  find_unchanged(state);
-  prepare(state);
+  prepare(state, Tables::not_kept);
+  wide_cells_.assign(partition_count * out.partition_cells, 0);
   hashed_table_count_ = 0;
   out.columns.assign(column_count_, 0);
   for (const bool owns : {true, false}) {
-    std::uint32_t* columns = out.columns.data();
+    std::size_t column = 0;
     for (std::size_t t = 0; t < tables_.size(); ++t) {
       const Table& table = tables_[t];
-      const bool is_hashed =
-          table.owns == owns && !table.is_unchanged && (table.is_kept || state.tables[t].row_count > 0);
-      hashed_table_count_ += is_hashed ? 1 : 0;
-      if (is_hashed && table.is_kept)
-        replace_kept(t, state.tables[t], kept_columns_.data() + (columns - out.columns.data()));
-      else if (is_hashed)
-        hash_table(t, state.tables[t].row_count, columns, out);
-      columns += table.column_word.size() - 1;
+      if (table.owns == owns && table.is_kept) {
+        update_kept(t, state.tables[t], kept_columns_.data() + column);
+      } else if (table.owns == owns && state.tables[t].row_count > 0) {
+        hash_table(t, state.tables[t].row_count, out.columns.data() + column);
+        ++hashed_table_count_;
+      }
+      column += table.column_word.size() - 1;
     }
   }
   // What is kept of a table that is hashed anew in each tick is 0.
   for (std::size_t c = 0; c < kept_columns_.size(); ++c) out.columns[c] |= kept_columns_[c];
-  for (std::size_t i = 0; i < kept_cells_.size(); ++i)
-    out.cells[i] = static_cast<std::uint16_t>(out.cells[i] ^ kept_cells_[i]);
+  for (std::size_t i = 0; i < kept_cells_.size(); ++i) wide_cells_[i] ^= kept_cells_[i];
   for (std::size_t t = 0; t < tables_.size(); ++t) {
     out.row_counts.push_back(state.tables[t].row_count);
     if (!tables_[t].owns || tables_[t].is_kept) continue;
@@ -333,57 +339,59 @@ void CellHasher::hash(const StateView& state, std::uint32_t partition_cells, Sta
     const std::uint64_t* values = values_.data() + first_owner_[t];
     const std::uint64_t* more = values + values_.size() / 2;
     for (std::size_t row = 0; row < state.tables[t].row_count; ++row)
-      put_value(out.cells.data(), out.partition_cells, places[row], values[row] + more[row]);
+      put_value(wide_cells_.data(), places_cells_, places[row], owner_value(places[row], values[row] + more[row]));
   }
+  out.cells.resize(wide_cells_.size());
+  narrow_cells(wide_cells_.data(), places_cells_, out.cells.data());
 }
 
-void CellHasher::forget_rows() {
-  for (Table& table : tables_) table.has_rows = false;
+void CellHasher::forget_values() {
+  for (Table& table : tables_) {
+    table.places.clear();
+    table.values.clear();
+    table.rows_hash.reset();
+  }
   if (kept_columns_.empty()) return;
   kept_cells_.assign(partition_count * places_cells_, 0);
   kept_columns_.assign(column_count_, 0);
 }
 
-void CellHasher::find_unchanged(const StateView& state) {
-  if (kept_columns_.empty()) return;
-  for (std::size_t t = 0; t < tables_.size(); ++t) {
-    Table& table = tables_[t];
-    if (!table.is_kept) continue;
-    const std::size_t size = std::size_t{state.tables[t].row_count} * schema_.tables[t].row_size;
-    table.is_unchanged = table.has_rows && table.rows.size() == size &&
-                         (size == 0 || std::memcmp(table.rows.data(), state.tables[t].data, size) == 0);
-  }
-}
-
-/// Puts the values of the rows into the kept cells; a second time takes them out again. Requires: their places.
-void CellHasher::fold_kept(std::size_t index, const TableRows& rows) {
-  const Table& table = tables_[index];
-  hashes_.resize(rows.row_count);
-  hash_rows(short_rows, words_of(index, rows), table.words, rows.row_count, table.seed, hashes_.data());
-  for (std::size_t row = 0; row < rows.row_count; ++row)
-    put_value(kept_cells_.data(), places_cells_, table.places[row], hashes_[row]);
-}
-
-/// The rows of a kept table by others, in its copy, its cells and its columns.
-void CellHasher::replace_kept(std::size_t index, const TableRows& rows, std::uint32_t* columns) {
+/// Brings what is kept of a table up to its rows.
+void CellHasher::update_kept(std::size_t index, const TableRows& rows, std::uint32_t* columns) {
   Table& table = tables_[index];
-  const std::uint32_t row_size = schema_.tables[index].row_size;
-  if (table.has_rows) fold_kept(index, {table.rows.data(), static_cast<std::uint32_t>(table.rows.size() / row_size)});
-  words_[index] = words_of(index, rows);
-  keep_places(index, rows.row_count);
-  fold_kept(index, rows);
+  const std::size_t row_count = rows.row_count;
+  const std::uint64_t rows_hash = hash64({rows.data, row_count * schema_.tables[index].row_size});
+  if (table.rows_hash == rows_hash && table.values.size() == row_count) return;
+  table.rows_hash = rows_hash;
+  ++hashed_table_count_;
+  std::uint64_t* const cells = kept_cells_.data();
+  for (std::size_t row = row_count; row < table.values.size(); ++row)
+    put_value(cells, places_cells_, table.places[row], table.values[row]);  // a second time: takes it out
+  table.places.resize(row_count);
+  table.values.resize(row_count);
   std::fill(columns, columns + (table.column_word.size() - 1), 0u);
-  if (rows.row_count > 0) {
-    sums_.assign(table.words, 0);
-    add_products(table, words_[index], 0, rows.row_count);
-    hash_columns(table, rows.row_count, columns);
+  if (row_count == 0) return;
+  const std::uint32_t* words = words_of(index, rows);
+  hashes_.resize(row_count);
+  hash_rows(short_rows, words, table.words, row_count, table.seed, hashes_.data());
+  sums_.assign(table.words, 0);
+  add_products(table, words, 0, row_count);
+  hash_columns(table, row_count, columns);
+  for (std::size_t row = 0; row < row_count; ++row, words += table.words) {
+    CellPlace& place = table.places[row];
+    std::uint64_t& value = table.values[row];
+    const std::uint64_t key = key_of(table, words, row);
+    if (place.key != key || !place.is_known) {
+      put_value(cells, places_cells_, place, std::exchange(value, 0));
+      place = place_of({index, row, key}, places_cells_);
+    }
+    const std::uint64_t before = std::exchange(value, owner_value(place, hashes_[row]));
+    if (value != before) put_value(cells, places_cells_, place, value ^ before);
   }
-  table.rows.assign(rows.data, rows.data + std::size_t{rows.row_count} * row_size);
-  table.has_rows = true;
 }
 
 /// Columns and rows of a table, some rows at a time: what is read once stays in the nearest cache for the rest.
-void CellHasher::hash_table(std::size_t index, std::size_t row_count, std::uint32_t* columns, StateCells& out) {
+void CellHasher::hash_table(std::size_t index, std::size_t row_count, std::uint32_t* columns) {
   constexpr std::size_t block_size = 8 * 1024;  // bytes
   Table& table = tables_[index];
   sums_.assign(table.words, 0);
@@ -392,11 +400,11 @@ void CellHasher::hash_table(std::size_t index, std::size_t row_count, std::uint3
   for (std::size_t first = 0; first < row_count; first += block_rows) {
     const std::size_t count = std::min(block_rows, row_count - first);
     const std::uint32_t* words = words_[index] + first * table.words;
-    add_products(table, words, first, count);
     if (table.owns)
       hash_rows(short_rows, words, table.words, count, table.seed, values_.data() + first_owner_[index] + first);
     else
-      fold_rows(index, first, count, out);
+      fold_rows(index, first, count);
+    add_products(table, words, first, count);
   }
   hash_columns(table, row_count, columns);
 }
@@ -421,7 +429,7 @@ void CellHasher::keep_places(std::size_t index, std::size_t row_count) {
 
 /// Rows of a table that does not own go to the owners they refer to. Every second row goes to the second half of the
 /// values: contacts stand in the order of their first body, and each addition to the same one waits for the one before.
-void CellHasher::fold_rows(std::size_t index, std::size_t first, std::size_t row_count, StateCells& out) {
+void CellHasher::fold_rows(std::size_t index, std::size_t first, std::size_t row_count) {
   const Table& table = tables_[index];
   hashes_.resize(row_count);
   const std::uint32_t* words = words_[index] + first * table.words;
@@ -458,14 +466,13 @@ void CellHasher::fold_rows(std::size_t index, std::size_t first, std::size_t row
   for (std::size_t row = 0; row < row_count; ++row, words += table.words) {
     if (find_owners(table, words)) continue;
     const std::uint64_t key = key_of(table, words, first + row);
-    put_value(out.cells.data(), out.partition_cells, place_of({index, first + row, key}, out.partition_cells),
-              hashes_[row]);
+    const CellPlace place = place_of({index, first + row, key}, places_cells_);
+    put_value(wide_cells_.data(), places_cells_, place, owner_value(place, hashes_[row]));
   }
 }
 
 const std::vector<CellOwner>& CellHasher::owners(const StateView& state) {
-  for (Table& table : tables_) table.is_unchanged = false;
-  prepare(state);
+  prepare(state, Tables::all);
   owners_.clear();
   for (std::size_t t = 0; t < tables_.size(); ++t)
     for (std::size_t row = 0; row < state.tables[t].row_count; ++row) {
@@ -492,14 +499,12 @@ std::vector<CellOwner> CellHasher::prepared_owners(const StateView& state, std::
 }
 
 std::vector<CellOwner> CellHasher::owners_of(const StateView& state, std::size_t table, std::size_t row) {
-  for (Table& each : tables_) each.is_unchanged = false;
-  prepare(state);
+  prepare(state, Tables::all);
   return prepared_owners(state, table, row);
 }
 
 std::vector<std::vector<CellOwner>> CellHasher::owners_of_rows(const StateView& state, std::size_t table) {
-  for (Table& each : tables_) each.is_unchanged = false;
-  prepare(state);
+  prepare(state, Tables::all);
   std::vector<std::vector<CellOwner>> owners;
   owners.reserve(state.tables[table].row_count);
   for (std::size_t row = 0; row < state.tables[table].row_count; ++row)

@@ -10,6 +10,7 @@
 
 #include <array>
 #include <cstdint>
+#include <optional>
 #include <vector>
 
 #include "base/state/state_view.h"
@@ -49,7 +50,8 @@ struct CellPlace {
 };
 
 /// Computes the cells of states of one schema; reuses its buffers between calls. Where the schema has many tables, it
-/// keeps a copy of the last state and hashes the tables whose rows differ from it.
+/// keeps the values of their rows. A table is hashed again if the hash of all its rows is another than in the last
+/// call.
 class CellHasher {
  public:
   explicit CellHasher(const StateSchema& schema);
@@ -82,13 +84,13 @@ class CellHasher {
     std::vector<std::size_t> column_word;  // first word of each column, then `words`
     std::vector<Reference> references;     // to owning tables
     std::size_t key_words = 0;
-    std::vector<CellPlace> places;  // [row], of an owning table
-    bool places_are_dense = false;  // their keys are those of a dense lookup
-    bool is_kept = false;           // its rows are in no value but their own, and `rows` is a copy of the last ones
-    bool is_unchanged = false;      // its rows are those of `rows`
-    bool has_rows = false;          // `rows` is known
-    Bytes rows;
+    std::vector<CellPlace> places;           // [row], of an owning table
+    bool places_are_dense = false;           // their keys are those of a dense lookup
+    bool is_kept = false;                    // its rows are in no value but their own, and `values` is kept
+    std::optional<std::uint64_t> rows_hash;  // of the rows that `values` and the kept columns are of
+    std::vector<std::uint64_t> values;       // [row], as they are in the kept cells
   };
+  enum class Tables { all, not_kept };
   /// Finds the row with an id.
   struct Lookup {
     bool is_dense = false;  // ids are first, first + 1, ...
@@ -103,15 +105,13 @@ class CellHasher {
   void hash_columns(const Table& table, std::size_t row_count, std::uint32_t* out) const;
   void make_lookup(const Table& table, const std::uint32_t* words, std::size_t row_count, Lookup& lookup);
   static std::uint64_t key_of(const Table& table, const std::uint32_t* row_words, std::size_t row);
-  void prepare(const StateView& state);
+  void prepare(const StateView& state, Tables which);
   std::vector<CellOwner> prepared_owners(const StateView& state, std::size_t table, std::size_t row);
-  void find_unchanged(const StateView& state);
-  void forget_rows();
-  void fold_kept(std::size_t table, const TableRows& rows);
-  void replace_kept(std::size_t table, const TableRows& rows, std::uint32_t* columns);
-  void hash_table(std::size_t table, std::size_t row_count, std::uint32_t* columns, StateCells& out);
+  void forget_values();
+  void update_kept(std::size_t table, const TableRows& rows, std::uint32_t* columns);
+  void hash_table(std::size_t table, std::size_t row_count, std::uint32_t* columns);
   void keep_places(std::size_t table, std::size_t row_count);
-  void fold_rows(std::size_t table, std::size_t first, std::size_t row_count, StateCells& out);
+  void fold_rows(std::size_t table, std::size_t first, std::size_t row_count);
   bool find_owners(const Table& table, const std::uint32_t* row_words);
 
   const StateSchema schema_;
@@ -124,9 +124,10 @@ class CellHasher {
   std::vector<std::size_t> first_owner_;              // [table], index of its first row in values_
   std::vector<std::uint64_t> values_;                 // [owner], twice: the two are added
   std::uint32_t places_cells_ = 0;                    // the cells of a partition that places are of
-  std::vector<std::uint32_t> kept_columns_;           // [column], of tables whose rows are kept
+  std::vector<std::uint32_t> kept_columns_;           // [column], of tables whose values are kept
   std::size_t hashed_table_count_ = 0;
-  std::vector<std::uint16_t> kept_cells_;  // of all these tables
+  std::vector<std::uint64_t> kept_cells_;  // of all these tables, as wide_cells_
+  std::vector<std::uint64_t> wide_cells_;  // [partition][cell], with all bits of the values that were put into it
   std::vector<std::size_t> found_;         // owners of one row
   std::vector<std::uint64_t> sums_;        // [word]
   std::vector<std::uint64_t> block_sums_;  // [word]

@@ -87,16 +87,33 @@ std::string place_text(const TableSchema& table, std::size_t row, const Column& 
 
 }  // namespace
 
+namespace {
+
+/// Appends what the root hash covers of a table.
+void digest_table(const TableSchema& table, const TableRows& table_rows, ByteWriter& digest) {
+  Bytes buffer;
+  const ByteView rows = canonical_rows(table, table_rows, buffer);
+  digest.u64(hash64({reinterpret_cast<const std::uint8_t*>(table.name.data()), table.name.size()}));
+  digest.u64(table_rows.row_count);
+  for (std::size_t offset = 0; offset < rows.size(); offset += hash_block_size)
+    digest.u64(hash64(rows.subspan(offset, std::min(hash_block_size, rows.size() - offset))));
+}
+
+}  // namespace
+
 std::uint64_t root_hash(const StateView& state) {
   ByteWriter digest;
-  Bytes buffer;
+  for (std::size_t t = 0; t < state.tables.size(); ++t) digest_table(state.schema->tables[t], state.tables[t], digest);
+  return hash64(digest.view());
+}
+
+std::uint64_t root_hash(const StateView& state, std::vector<std::uint64_t>& table_hashes) {
+  ByteWriter digest;
+  table_hashes.clear();
   for (std::size_t t = 0; t < state.tables.size(); ++t) {
-    const TableSchema& table = state.schema->tables[t];
-    const ByteView rows = canonical_rows(table, state.tables[t], buffer);
-    digest.u64(hash64({reinterpret_cast<const std::uint8_t*>(table.name.data()), table.name.size()}));
-    digest.u64(state.tables[t].row_count);
-    for (std::size_t offset = 0; offset < rows.size(); offset += hash_block_size)
-      digest.u64(hash64(rows.subspan(offset, std::min(hash_block_size, rows.size() - offset))));
+    const std::size_t begin = digest.size();
+    digest_table(state.schema->tables[t], state.tables[t], digest);
+    table_hashes.push_back(hash64(digest.view().subspan(begin)));
   }
   return hash64(digest.view());
 }
@@ -219,17 +236,19 @@ void decode_rows(const TableSchema& table, const ImageTable& rows, std::uint8_t*
 
 namespace {
 
-/// What the 32-bit words of a row are tested with: not finite if (word & mask) == want. Words without an exponent never
-/// are. Rows of usual size need no memory from the heap.
+/// What the 32-bit words of rows are tested with: not finite if (word & mask) == want. Words without an exponent never
+/// are. Short rows are tested in groups, so that vectors cover a group without overlap. Rows of usual size need no
+/// memory from the heap.
 class ExponentTests {
  public:
-  explicit ExponentTests(const TableSchema& table) : word_count_(table.row_size / 4) {
+  explicit ExponentTests(const TableSchema& table) : row_words_(table.row_size / 4) {
     if (table.row_size % 4 != 0) return;
-    if (word_count_ > few_words) many_.resize(2 * word_count_);
+    while (word_count() % vector_words != 0 && 2 * word_count() <= few_words) group_rows_ *= 2;
+    if (word_count() > few_words) many_.resize(2 * word_count());
     std::uint32_t* const mask = many_.empty() ? few_ : many_.data();
-    std::uint32_t* const want = mask + word_count_;
-    std::fill_n(mask, word_count_, 0u);
-    std::fill_n(want, word_count_, 1u);
+    std::uint32_t* const want = mask + word_count();
+    std::fill_n(mask, row_words_, 0u);
+    std::fill_n(want, row_words_, 1u);
     for (const Column& column : table.columns) {
       const ScalarInfo& info = *scalar_info(column.type);
       if (!info.is_float) continue;
@@ -240,18 +259,46 @@ class ExponentTests {
         mask[word] = want[word] = info.size == 8 ? 0x7ff00000u : 0x7f800000u;
       }
     }
+    for (std::size_t word = row_words_; word < word_count(); ++word) {
+      mask[word] = mask[word - row_words_];
+      want[word] = want[word - row_words_];
+    }
     exist_ = true;
   }
 
   bool exist() const { return exist_; }  // false: floats do not lie on words
-  std::size_t word_count() const { return word_count_; }
-  const std::uint32_t* mask() const { return many_.empty() ? few_ : many_.data(); }
-  const std::uint32_t* want() const { return mask() + word_count_; }
+
+  /// Requires: exist().
+  bool any_match(const TableRows& rows) const {
+    constexpr std::size_t block_size = 16 * 1024;  // bytes: a block stays in the nearest cache while it is tested
+    const std::size_t group_size = 4 * word_count();
+    const std::size_t block_groups = std::max<std::size_t>(1, block_size / group_size);
+    const std::size_t group_count = rows.row_count / group_rows_;
+    for (std::size_t first = 0; first < group_count; first += block_groups)
+      if (row_kernels().any_match(rows.data + first * group_size, word_count(),
+                                  std::min(block_groups, group_count - first), mask(), want()))
+        return true;
+    // Fewer rows than a group.
+    const std::size_t word_end = rows.row_count % group_rows_ * row_words_;
+    const std::uint8_t* const rest = rows.data + group_count * group_size;
+    for (std::size_t word = 0; word < word_end; ++word) {
+      std::uint32_t bits;
+      std::memcpy(&bits, rest + 4 * word, sizeof bits);
+      if ((bits & mask()[word]) == want()[word]) return true;
+    }
+    return false;
+  }
 
  private:
-  static constexpr std::size_t few_words = 64;
+  static constexpr std::size_t vector_words = 8;  // of the widest kernels
+  static constexpr std::size_t few_words = 128;
 
-  std::size_t word_count_;
+  std::size_t word_count() const { return group_rows_ * row_words_; }  // of a group
+  const std::uint32_t* mask() const { return many_.empty() ? few_ : many_.data(); }
+  const std::uint32_t* want() const { return mask() + word_count(); }
+
+  std::size_t row_words_;
+  std::size_t group_rows_ = 1;
   bool exist_ = false;
   std::uint32_t few_[2 * few_words];
   std::vector<std::uint32_t> many_;
@@ -260,10 +307,9 @@ class ExponentTests {
 /// Whether a value of the table may not be finite: true also where that has to be looked at lane by lane.
 bool is_suspect(const TableSchema& table, const TableRows& rows) {
   const auto is_float = [](const Column& column) { return scalar_info(column.type)->is_float; };
-  if (std::none_of(table.columns.begin(), table.columns.end(), is_float)) return false;
+  if (rows.row_count == 0 || std::none_of(table.columns.begin(), table.columns.end(), is_float)) return false;
   const ExponentTests tests(table);
-  if (!tests.exist() || tests.word_count() < 4) return true;
-  return row_kernels().any_match(rows.data, tests.word_count(), rows.row_count, tests.mask(), tests.want());
+  return !tests.exist() || tests.any_match(rows);
 }
 
 }  // namespace

@@ -30,6 +30,8 @@ struct StateView {
 /// XXH3-64 over, for each table: hash of its name, row count, and the hash of each 16 KiB block of its canonical
 /// (little-endian) rows. docs/trace_format.md, "Root hash".
 std::uint64_t root_hash(const StateView& state);
+/// The same. `table_hashes`: set to a hash for each table, of what the root hash covers of it.
+std::uint64_t root_hash(const StateView& state, std::vector<std::uint64_t>& table_hashes);
 
 /// State image: for each table u32 row_count, then its rows, little-endian. What checkpoints hold.
 void encode_image(const StateView& state, Bytes& out);

@@ -169,7 +169,7 @@ TEST_CASE("cells: of many tables, those that did not change are not hashed again
     small.type = ScalarType::u16;
     small.lane_count = 2;
     small.offset = 8;
-    if (t < 3) table.key_column_count = 1;
+    if (t < 3 || t % 10 == 7) table.key_column_count = 1;
     if (t % 10 == 5) id.target = static_cast<std::int16_t>(t % 3);  // rows of other tables refer to tables 0..2
     table.columns = {id, value, small};
     schema.tables.push_back(table);
@@ -191,7 +191,15 @@ TEST_CASE("cells: of many tables, those that did not change are not hashed again
         for (int word = 0; word < 3; ++word)
           words.push_back(word == 0 ? static_cast<std::uint32_t>(words.size()) : static_cast<std::uint32_t>(tick));
       if (kind == 4) words.clear();
-      if (kind > 4 && !words.empty()) words[3 * random.below(words.size() / 3) + 1] = static_cast<std::uint32_t>(tick);
+      if (kind < 5 || words.empty()) continue;
+      const std::size_t at = 3 * random.below(words.size() / 3);
+      if (kind == 5 && t >= 3)
+        words.erase(words.begin() + static_cast<std::ptrdiff_t>(at),
+                    words.begin() + static_cast<std::ptrdiff_t>(at + 3));
+      else if (kind == 6 && t >= 3)
+        words[at] += 1'000;  // another key, where the table has one
+      else
+        words[at + 1] = static_cast<std::uint32_t>(tick);
     }
     StateView view{&schema, {}};
     for (const std::vector<std::uint32_t>& words : rows)

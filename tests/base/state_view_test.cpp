@@ -177,14 +177,22 @@ TEST_CASE("tables beyond one block are hashed block by block", "[base][state_vie
 
 TEST_CASE("every bit of every row changes the root hash", "[base][state_view][equivalence]") {
   OwnedState state = state_of(sample_schema(), sample_image());
-  const std::uint64_t whole = root_hash(state.view());
+  std::vector<std::uint64_t> whole_tables, tables;
+  const std::uint64_t whole = root_hash(state.view(), whole_tables);
+  REQUIRE(whole_tables.size() == state.rows.size());
   for (std::size_t t = 0; t < state.rows.size(); ++t)
     for (std::size_t bit = 0; bit < state.rows[t].size() * 8; ++bit) {
       state.rows[t][bit / 8] ^= static_cast<std::uint8_t>(1u << (bit % 8));
-      if (root_hash(state.view()) == whole) FAIL_CHECK("table " << t << " bit " << bit << " does not count");
+      const std::uint64_t changed = root_hash(state.view(), tables);
+      CHECK(changed == root_hash(state.view()));
+      if (changed == whole) FAIL_CHECK("table " << t << " bit " << bit << " does not count");
+      // The hash of this table changes, and no other.
+      for (std::size_t other = 0; other < tables.size(); ++other)
+        if ((tables[other] == whole_tables[other]) != (other != t)) FAIL_CHECK("table " << t << " bit " << bit);
       state.rows[t][bit / 8] ^= static_cast<std::uint8_t>(1u << (bit % 8));
     }
-  CHECK(root_hash(state.view()) == whole);
+  CHECK(root_hash(state.view(), tables) == whole);
+  CHECK(tables == whole_tables);
 }
 
 TEST_CASE("rows moved to another table and renamed tables change the root hash", "[base][state_view][equivalence]") {
@@ -408,6 +416,31 @@ TEST_CASE("a lane that is not finite is found in rows of every width", "[base][s
         std::fill_n(at, size, std::uint8_t{0});
       }
     }
+}
+
+TEST_CASE("a lane that is not finite is found in every row of short rows", "[base][state_view][equivalence]") {
+  for (const std::size_t lane_count : {1u, 2u, 3u, 7u, 9u, 10u, 16u, 33u}) {
+    StateSchema schema;
+    TableSchema& table = schema.tables.emplace_back();
+    table.name = "samples";
+    table.row_size = static_cast<std::uint32_t>(4 * lane_count + 4);
+    table.columns = {{"x", ScalarType::f32, static_cast<std::uint8_t>(lane_count), 0},
+                     {"id", ScalarType::u32, 1, static_cast<std::uint16_t>(4 * lane_count)}};
+    // More rows than a block of 16 KiB holds, and a few that do not fill a group.
+    for (const std::uint32_t row_count : {1u, 2u, 5u, 8u, 13u, 16'384u / table.row_size + 11}) {
+      std::vector<std::uint32_t> words(std::size_t{row_count} * (lane_count + 1), 0x7f7fffffu);
+      for (std::size_t row = 0; row < row_count; ++row) words[row * (lane_count + 1) + lane_count] = 0xffffffffu;
+      const StateView state{&schema, {{reinterpret_cast<const std::uint8_t*>(words.data()), row_count}}};
+      CHECK_FALSE(find_non_finite(state));
+      for (std::size_t row = 0; row < row_count; row += row_count < 20 || row + 20 > row_count ? 1 : 7) {
+        CAPTURE(lane_count, row_count, row);
+        std::uint32_t& word = words[row * (lane_count + 1) + row % lane_count];
+        word = 0xff800000u;
+        if (find_non_finite(state) != StatePlace{0, row, 0, row % lane_count}) FAIL_CHECK("not found");
+        word = 0x7f7fffffu;
+      }
+    }
+  }
 }
 
 TEST_CASE("large finite values are not taken for infinite", "[base][state_view][analytic]") {

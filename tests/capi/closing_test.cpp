@@ -109,6 +109,30 @@ TEST_CASE("a session that closes tells what had no part in it", "[capi][closing]
     }
 }
 
+TEST_CASE("a column that changed and changed back is not named", "[capi][closing]") {
+  const ticktrue_options options = pond_options(TICKTRUE_LIVE, "");
+  ticktrue_session* session = ticktrue_open(&options);
+  std::uint32_t gates[2] = {1, 1};
+  std::vector<float> wall(5'000, 1.0f);  // more than one block of 16 KiB
+  std::uint32_t crowd[3] = {7, 8, 9}, stones[2] = {1, 2};
+  ticktrue_column(session, "gates", "open", gates, TICKTRUE_U32, 1, 2, 0);
+  ticktrue_column(session, "wall", "height", wall.data(), TICKTRUE_F32, 1, 5'000, 0);
+  ticktrue_column(session, "crowd", "name", crowd, TICKTRUE_U32, 1, 2, 0);
+  ticktrue_column(session, "stones", "place", stones, TICKTRUE_U32, 1, 2, 0);
+  for (int tick = 0; tick < 6; ++tick) {
+    REQUIRE(ticktrue_begin_tick(session, nullptr) == TICKTRUE_OK);
+    gates[1] = tick == 2 ? 0 : 1;
+    wall.back() = tick == 3 ? 0.5f : 1.0f;
+    ticktrue_column(session, "crowd", "name", crowd, TICKTRUE_U32, 1, tick == 4 ? 3 : 2, 0);
+    REQUIRE(ticktrue_end_tick(session) == TICKTRUE_OK);
+  }
+  int exit_code = 0;
+  const std::string text = pond_report(session, exit_code);
+  CAPTURE(text);
+  CHECK(contains(text, "  note    columns that never changed: stones.place\n"));
+  ticktrue_close(session);
+}
+
 TEST_CASE("detail and range come from the command line", "[capi][closing]") {
   const TracePath path;
   const struct {
