@@ -160,7 +160,8 @@ class Workshop:
         # without sed, a build has no digest of its sources: a mutant with equal code then gives an equal program
         launcher = '-DCMAKE_CXX_COMPILER_LAUNCHER=ccache' if shutil.which('ccache') else ''
         # with tests, a header is in nearly every source: fewer units are quicker
-        parts = '-DTICKTRUE_BUILD_TESTS=ON' if self.options.has_tests else '-DTICKTRUE_BUILD_TESTS=OFF -DTICKTRUE_UNITY=OFF'
+        units = '-DTICKTRUE_UNITY=ON -DCMAKE_UNITY_BUILD_BATCH_SIZE=8 -DTICKTRUE_BUILD_TESTS=ON'
+        parts = units if self.options.has_tests else '-DTICKTRUE_UNITY=OFF -DTICKTRUE_BUILD_TESTS=OFF'
         configure = (f"cmake -S '{self.tree}' -B '{self.build_dir}' -G Ninja -DCMAKE_BUILD_TYPE=Release "
                      f"-DCMAKE_CXX_FLAGS_RELEASE=-O2 -DCMAKE_CXX_FLAGS=-Wno-error -DTICKTRUE_BUILD_BENCH=OFF {parts} "
                      f"-DTICKTRUE_SED=OFF {launcher}")

@@ -9,6 +9,7 @@
 #include "engine/scene/scene_json.h"
 #include "tool/cli/commands.h"
 #include "tool/output/json_output.h"
+#include "tool/output/scene_notes.h"
 #include "verifier/runs/data_file.h"
 
 namespace ticktrue::cli {
