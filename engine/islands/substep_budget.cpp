@@ -15,8 +15,9 @@ constexpr std::uint64_t work_of_direct_joint = 20;
 constexpr std::uint64_t work_of_driven_direct_joint = 80;  // springs, motors and limits: the solve is repeated
 constexpr std::uint64_t work_of_impact = 130;              // a pair whose impacts are located
 
-constexpr std::uint64_t substep_least = 100;  // small scenes count as this: ten boxes then have 256 substeps
-constexpr std::uint32_t cap_step = 8;         // substeps
+// Small scenes count as this: twenty boxes before a ram then have 256 substeps, in about .3 ms.
+constexpr std::uint64_t substep_least = 352;
+constexpr std::uint32_t cap_step = 8;  // substeps
 // Resting impacts may use what this many ticks have left over.
 constexpr std::uint64_t saved_ticks = 5;
 
