@@ -21,14 +21,20 @@ void count_up(std::uint32_t& count) {
   if (count != no_reference) ++count;
 }
 
-/// Finds the work of a substep of each awake island, at its first row.
-void find_work(const Model& model, const State& state, TickLists& tick, IslandWork& work) {
+/// Finds the work of a substep of each awake island, at its first row. Returns the work of the held islands: they use
+/// nothing of their budget.
+std::uint64_t find_work(const Model& model, const State& state, TickLists& tick, IslandWork& work) {
   std::vector<std::uint64_t>& of_island = work.island_work;
   of_island.assign(state.bodies.size(), 0);
+  const bool some_are_held = holds_islands(model);
+  std::uint64_t held = 0;
   const auto add = [&](std::uint32_t row, std::uint64_t amount) {
     if (type_of(model, state, row) != BodyType::dynamic_body) return false;
     const std::uint32_t root = find_root(tick.island_parent, row);
-    if (work.island_awake[root] != 0) of_island[root] += amount;
+    if (work.island_awake[root] != 0)
+      of_island[root] += amount;
+    else if (some_are_held)
+      held += amount;
     return true;
   };
   for (std::uint32_t row = 0; row < state.bodies.size(); ++row) add(row, work_of_body);
@@ -40,15 +46,15 @@ void find_work(const Model& model, const State& state, TickLists& tick, IslandWo
     if (joint.body_a != no_reference && add(row_of(state, joint.body_a), work_of_joint)) continue;
     add(row_of(state, joint.body_b), work_of_joint);
   }
+  return held;
 }
 
 }  // namespace
 
 void apply_budget(const Model& model, State& state, TickLists& tick, IslandWork& work) {
-  find_work(model, state, tick, work);
+  std::uint64_t per_substep = find_work(model, state, tick, work);
   const Settings& settings = model.scene.settings;
   const auto least = static_cast<std::uint32_t>(settings.substeps);
-  std::uint64_t per_substep = 0;
   for (const std::uint64_t of_island : work.island_work) per_substep += of_island;
   const std::uint64_t allowed = static_cast<std::uint64_t>(settings.substep_budget) * per_substep;
   const auto work_with = [&](std::uint32_t most) {
