@@ -12,6 +12,7 @@ constexpr Real calm_least = 1;  // s: an island is held once all its bodies have
 // A calm body moves in one second by at most this share of its allowed error. Rounding alone shakes a tower of 40 in
 // f32 by a fifth of that.
 constexpr Real calm_share = Real(0.2);
+constexpr Real stalled_factor = 10;  // a motor that wants to be so much faster than calm bodies is stalled
 constexpr Real damping_most = 10;  // 1/s: under more, a body that is pushed may be slow for long
 
 bool is_dynamic(const Model& model, const State& state, std::uint32_t row) {
@@ -22,27 +23,39 @@ bool moves(const BodyRow& body) {
   return body.velocity.x != 0 || body.velocity.y != 0 || body.angular_velocity != 0;
 }
 
+/// The largest speed of a calm body, m/s.
+Real calm_speed(const Model& model, const BodyModel& body) {
+  return calm_share * static_cast<Real>(model.scene.settings.auto_substeps->target_error) * body.size / calm_least;
+}
+
 bool is_calm(const Model& model, const BodyRow& body) {
   const BodyModel& constants = model.bodies[body.source];
   if (!constants.can_sleep || constants.linear_damping > damping_most || constants.angular_damping > damping_most)
     return false;
   // An upper bound of the speed of all points of the body.
   const Real speed = length(body.velocity) + magnitude(body.angular_velocity) * constants.extent;
-  const Real target = static_cast<Real>(model.scene.settings.auto_substeps->target_error);
-  return speed <= calm_share * target * constants.size;
-}
-
-/// Whether a joint may move its bodies slowly.
-bool drives(const Model& model, const JointRow& joint) {
-  const JointModel& constants = model.joints[joint.joint];
-  return joint.body_a == no_reference || constants.spring.exists || constants.linear_spring.exists ||
-         (joint.motor_speed != 0 && joint.motor_force_max > 0);
+  return speed <= calm_speed(model, constants);
 }
 
 /// Calls use(row) for each body of a joint.
 template <typename Use>
 void for_each_row(const Model& model, const State& state, const JointRow& joint, Use use) {
   for_each_body(model, model.joints[joint.joint], [&](std::uint32_t id) { use(row_of(state, id)); });
+}
+
+/// Whether a joint may move its bodies slowly. A motor of high speed whose bodies are calm has its largest force and
+/// does not move them.
+bool drives_slowly(const Model& model, const State& state, const JointRow& joint) {
+  const JointModel& constants = model.joints[joint.joint];
+  if (joint.body_a == no_reference || constants.spring.exists || constants.linear_spring.exists) return true;
+  if (joint.motor_speed == 0 || !(joint.motor_force_max > 0)) return false;
+  bool is_slow = false;
+  for_each_row(model, state, joint, [&](std::uint32_t row) {
+    const BodyModel& body = model.bodies[state.bodies[row].source];
+    const Real reach = constants.kind == JointKind::prismatic ? Real(1) : body.extent;
+    is_slow |= absolute(joint.motor_speed) * reach <= stalled_factor * calm_speed(model, body);
+  });
+  return is_slow;
 }
 
 bool is_conveyor(const Model& model, const TickLists& tick, const ContactPair& pair) {
@@ -56,7 +69,7 @@ void disturb(const Model& model, State& state, const TickLists& tick) {
   const auto is_moved_by = [&](std::uint32_t row) { return !is_dynamic(model, state, row) && moves(state.bodies[row]); };
   for (const PointerRow& pointer : state.pointers) stir(row_of(state, pointer.body));
   for (const JointRow& joint : state.joints) {
-    bool stirs = drives(model, joint);
+    bool stirs = drives_slowly(model, state, joint);
     for_each_row(model, state, joint, [&](std::uint32_t row) { stirs |= is_moved_by(row); });
     if (stirs) for_each_row(model, state, joint, stir);
   }

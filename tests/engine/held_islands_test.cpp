@@ -74,6 +74,16 @@ Input input_to(InputKind kind, std::uint32_t body, double x, double y) {
   return input;
 }
 
+std::uint64_t saved_work(const Engine& engine) {
+  const StateView& view = engine.state();
+  const auto table = view.schema->find_table("budget");
+  REQUIRE(table.has_value());
+  std::uint64_t work = 0;
+  for (const Column& column : view.schema->tables[*table].columns)
+    if (column.name == "saved_work") std::memcpy(&work, view.tables[*table].data + column.offset, sizeof work);
+  return work;
+}
+
 // The way of the last body of a scene in the ten seconds after the first three, m.
 double way_of_last(const Scene& scene) {
   const auto engine = make_engine_or_fail(scene);
@@ -97,6 +107,39 @@ TEST_CASE("after 2.5 s at rest nothing is solved: no bit of the state changes", 
       run_ticks(*engine, 100);
       CHECK(bytes_of(*engine) == held);
     }
+}
+
+TEST_CASE("held islands use no substep of their budget, and save it for what lands on them",
+          "[engine][islands][held][budget]") {
+  for (const int count : {3, 10}) {
+    Scene scene = tower(count);
+    scene.settings.substep_budget = 160;
+    const auto engine = make_engine_or_fail(scene);
+    run_ticks(*engine, 150);
+    const std::uint64_t work_of_substep = 4 * static_cast<std::uint64_t>(count);  // a box, and a contact three times
+    CHECK(saved_work(*engine) == 6 * 160 * work_of_substep);
+  }
+}
+
+TEST_CASE("a press that is stalled is held, and goes on when its load is removed", "[engine][islands][held]") {
+  Scene scene = tower(3);
+  scene.inputs = {InputKind::remove};
+  scene.bodies.push_back(unit_box({0, 3.5}));
+  Joint ram = joint_of(JointKind::prismatic, 0, 4);
+  ram.anchor_a = {0, 4.5};
+  ram.axis = {0, -1};
+  ram.motor = engine::JointMotor{1, 1000};
+  scene.joints = {ram};
+  const auto engine = make_engine_or_fail(scene);
+  run_ticks(*engine, 180);
+  REQUIRE(all_stand_still(*engine));
+  const Bytes held = bytes_of(*engine);
+  run_ticks(*engine, 60);
+  CHECK(bytes_of(*engine) == held);
+  const double before = engine->bodies().back().center.y;
+  step_with(*engine, {input_to(InputKind::remove, 2, 0, 0)});
+  run_ticks(*engine, 60);
+  CHECK(before - engine->bodies().back().center.y > 0.5);
 }
 
 TEST_CASE("islands are held only with measured loads, in scenes without sleep", "[engine][islands][held]") {
