@@ -27,10 +27,12 @@ void list_fields(LoadEstimate& of, const Visit& visit) {
 
 /// The workspace of the search for islands in a tick.
 struct IslandWork {
-  std::vector<BodyType> body_types;        // [body]
-  std::vector<std::uint32_t> set_keys;     // [body] the key of its solver set
-  std::vector<std::uint8_t> island_awake;  // [body] at the island's first row
-  std::vector<std::uint32_t> part_counts;  // [chunk]
+  std::vector<BodyType> body_types;          // [body]
+  std::vector<std::uint32_t> set_keys;       // [body] the key of its solver set
+  std::vector<std::uint8_t> island_awake;    // [body] at the island's first row
+  std::vector<std::uint8_t> island_carried;  // [body] at the island's first row; empty unless islands are held
+  bool all_are_held = false;                 // no island is solved in this tick
+  std::vector<std::uint32_t> part_counts;    // [chunk]
   std::vector<Support> supports;
   std::vector<std::uint32_t> support_start;  // [body] steps from the ground or the heaviest floating body
   std::vector<std::uint32_t> support_depth;  // [body] steps from the ground or the heaviest floating body
@@ -57,14 +59,14 @@ struct IslandWork {
 
 template <typename Visit>
 void list_fields(IslandWork& of, const Visit& visit) {
-  auto& [body_types, set_keys, island_awake, part_counts, supports, support_start, support_depth, support_order,
-         joint_acceleration, load_moment, load_passed_on, tilt_errors, weights, measured, is_floating, known_force,
-         measured_force, measured_level, measured_level_before, island_errors, substeps_before, idle_ticks, direct,
-         sway, has_direct, island_work] = of;
-  visit(body_types, set_keys, island_awake, part_counts, supports, support_start, support_depth, support_order,
-        joint_acceleration, load_moment, load_passed_on, tilt_errors, weights, measured, is_floating, known_force,
-        measured_force, measured_level, measured_level_before, island_errors, substeps_before, idle_ticks, direct, sway,
-        has_direct, island_work);
+  auto& [body_types, set_keys, island_awake, island_carried, all_are_held, part_counts, supports, support_start,
+         support_depth, support_order, joint_acceleration, load_moment, load_passed_on, tilt_errors, weights, measured,
+         is_floating, known_force, measured_force, measured_level, measured_level_before, island_errors,
+         substeps_before, idle_ticks, direct, sway, has_direct, island_work] = of;
+  visit(body_types, set_keys, island_awake, island_carried, all_are_held, part_counts, supports, support_start,
+        support_depth, support_order, joint_acceleration, load_moment, load_passed_on, tilt_errors, weights, measured,
+        is_floating, known_force, measured_force, measured_level, measured_level_before, island_errors, substeps_before,
+        idle_ticks, direct, sway, has_direct, island_work);
 }
 
 /// The stage that decides which bodies sleep, which bodies are solved together, and in how many substeps.
@@ -84,6 +86,13 @@ inline BodyType type_of(const Model& model, const State& state, std::uint32_t ro
 inline std::uint32_t row_of(const State& state, std::uint32_t id) {
   return static_cast<std::uint32_t>(state.find_body(id));
 }
+
+/// Whether islands at rest are held: with measured loads, in scenes without sleep.
+bool holds_islands(const Model& model);
+
+/// Holds the islands at rest: work.island_awake is 0 at their first rows, and their velocities are zero. Measures how
+/// long bodies have been calm, and sets work.all_are_held. Requires: holds_islands, islands are united.
+void hold_islands(const Model& model, State& state, TickLists& tick, IslandWork& work, Real dt);
 
 /// Chooses the substeps of each island: tick.island_level, state.substeps. Finds the islands with resting impacts.
 /// Requires: islands are united.

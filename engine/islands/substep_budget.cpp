@@ -30,21 +30,22 @@ std::uint64_t direct_work(const JointModel& joint) {
   return is_driven ? work_of_driven_direct_joint : work_of_direct_joint;
 }
 
-/// Finds the work of a substep of each awake island, at its first row. Returns the sum with iterative joints: a budget
-/// counts in fixed substeps, which have these.
+/// Finds the work of a substep of each awake island, at its first row. Returns the sum with iterative joints, which
+/// fixed substeps have. The sum has held islands, too: they use nothing of their budget.
 std::uint64_t find_work(const Model& model, const State& state, TickLists& tick, IslandWork& work) {
   std::vector<std::uint64_t>& of_island = work.island_work;
   of_island.assign(state.bodies.size(), 0);
   work.has_direct.assign(state.bodies.size(), 0);
+  const bool some_are_held = holds_islands(model);
   std::uint64_t sum = 0;
   const auto root_of = [&](std::uint32_t a, std::uint32_t b) {
     const bool a_moves = a != no_reference && type_of(model, state, a) == BodyType::dynamic_body;
     return find_root(tick.island_parent, a_moves ? a : b);
   };
   const auto add = [&](std::uint32_t root, std::uint64_t amount, std::uint64_t fixed_amount) {
-    if (work.island_awake[root] == 0) return;
-    of_island[root] += amount;
-    sum += fixed_amount;
+    const bool is_awake = work.island_awake[root] != 0;
+    if (is_awake) of_island[root] += amount;
+    if (is_awake || some_are_held) sum += fixed_amount;
   };
   for (std::uint32_t row = 0; row < state.bodies.size(); ++row)
     if (type_of(model, state, row) == BodyType::dynamic_body) add(root_of(row, row), work_of_body, work_of_body);

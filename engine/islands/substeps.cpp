@@ -332,16 +332,9 @@ void raise_by_measured_loads(const Model& model, State& state, TickLists& tick, 
   }
 }
 
-}  // namespace
-
-void choose_substeps(const Model& model, State& state, TickLists& tick, IslandWork& work, Real dt) {
+/// Finds the needs of all islands: tick.island_level, tick.load, tick.mass_factor.
+void estimate_needs(const Model& model, State& state, TickLists& tick, IslandWork& work, Real dt) {
   const Settings& settings = model.scene.settings;
-  const auto least = static_cast<std::uint32_t>(settings.substeps);
-  tick.island_level.assign(state.bodies.size(), least);
-  tick.resting_impacts.clear();
-  tick.shock_is_cut = false;
-  tick.island_has_resting_impact.assign(state.bodies.size(), 0);
-  if (!settings.auto_substeps) return;
   const bool is_measured = settings.substep_loads == SubstepLoads::measured;
   work.direct.is_direct.clear();
   if (is_measured && settings.joints == JointSolverKind::direct) mark_direct_joints(model, state, work.direct);
@@ -358,7 +351,11 @@ void choose_substeps(const Model& model, State& state, TickLists& tick, IslandWo
   raise_by_rates(model, state, tick, work, dt, turn_max, settings.auto_substeps->substeps_max, turn_of, level);
   find_mass_factors(model, state, tick, work);
   tick.load = work.weights.load;
-  // The number of substeps of an island rises at once and falls after enough idle ticks.
+}
+
+/// Raises the number of substeps of an island at once, and lowers it after enough idle ticks.
+void change_levels(const Model& model, State& state, TickLists& tick, IslandWork& work) {
+  std::vector<std::uint32_t>& level = tick.island_level;
   std::vector<std::uint32_t>& had = work.substeps_before;
   had.assign(state.bodies.size(), 0);
   std::vector<std::uint32_t>& idle = work.idle_ticks;
@@ -381,9 +378,28 @@ void choose_substeps(const Model& model, State& state, TickLists& tick, IslandWo
     now.count = keeps ? had[root] : level[root];
     now.idle_ticks = keeps ? idle[root] + 1 : 0;
   }
-  for (std::uint32_t row = 0; row < state.bodies.size(); ++row)
+}
+
+}  // namespace
+
+void choose_substeps(const Model& model, State& state, TickLists& tick, IslandWork& work, Real dt) {
+  const Settings& settings = model.scene.settings;
+  const std::size_t count = state.bodies.size();
+  tick.island_level.assign(count, static_cast<std::uint32_t>(settings.substeps));
+  tick.resting_impacts.clear();
+  tick.shock_is_cut = false;
+  tick.island_has_resting_impact.assign(count, 0);
+  if (!settings.auto_substeps) return;
+  if (work.all_are_held) {  // the needs stay as they are
+    tick.load.assign(count, 0);
+    tick.mass_factor.assign(count, 1);
+  } else {
+    estimate_needs(model, state, tick, work, dt);
+    change_levels(model, state, tick, work);
+  }
+  for (std::uint32_t row = 0; row < count; ++row)
     if (type_of(model, state, row) == BodyType::dynamic_body)
-      level[find_root(tick.island_parent, row)] = state.substeps[row].count;
+      tick.island_level[find_root(tick.island_parent, row)] = state.substeps[row].count;
   tick.shock_work_left = shock_work_max;
   if (has_budget(model)) apply_budget(model, state, tick, work);
   find_resting_impacts(model, state, tick, dt);
