@@ -219,6 +219,15 @@ TEST_CASE("run times of automatic and fixed substeps are taken in turns over the
   CHECK(row.substeps_most >= 4);
   CHECK(row.substeps_most <= 256);
   CHECK(row.ticks_at_most <= row.tick_count);
+  CHECK(row.default_later_s == 0);
+  CHECK(row.default_later_ratio() == 0);
+  options.tick_count = 140;
+  const auto longer = run_times(options);
+  REQUIRE(longer.has_value());
+  CHECK(longer->front().automatic_later_s > 0);
+  CHECK(longer->front().automatic_later_s < longer->front().automatic_s);
+  CHECK(longer->front().default_later_s > 0);
+  CHECK(longer->front().default_later_s < longer->front().default_s);
   options.seconds_max = 0;
   const auto none = run_times(options);
   REQUIRE(none.has_value());
