@@ -13,7 +13,7 @@ constexpr Real calm_least = 1;  // s: an island is held once all its bodies have
 // f32 by a fifth of that.
 constexpr Real calm_share = Real(0.2);
 constexpr Real stalled_factor = 10;  // a motor that wants to be so much faster than calm bodies is stalled
-constexpr Real damping_most = 10;  // 1/s: under more, a body that is pushed may be slow for long
+constexpr Real damping_most = 10;    // 1/s: under more, a body that is pushed may be slow for long
 
 bool is_dynamic(const Model& model, const State& state, std::uint32_t row) {
   return type_of(model, state, row) == BodyType::dynamic_body;
@@ -51,6 +51,7 @@ bool drives_slowly(const Model& model, const State& state, const JointRow& joint
   if (joint.motor_speed == 0 || !(joint.motor_force_max > 0)) return false;
   bool is_slow = false;
   for_each_row(model, state, joint, [&](std::uint32_t row) {
+    if (!is_dynamic(model, state, row)) return;
     const BodyModel& body = model.bodies[state.bodies[row].source];
     const Real reach = constants.kind == JointKind::prismatic ? Real(1) : body.extent;
     is_slow |= absolute(joint.motor_speed) * reach <= stalled_factor * calm_speed(model, body);
@@ -66,7 +67,9 @@ bool is_conveyor(const Model& model, const TickLists& tick, const ContactPair& p
 /// Resets the time of bodies that a pointer, a joint, a spring, a conveyor or a moving kinematic body may move.
 void disturb(const Model& model, State& state, const TickLists& tick) {
   const auto stir = [&](std::uint32_t row) { state.loads[row].calm = 0; };
-  const auto is_moved_by = [&](std::uint32_t row) { return !is_dynamic(model, state, row) && moves(state.bodies[row]); };
+  const auto is_moved_by = [&](std::uint32_t row) {
+    return !is_dynamic(model, state, row) && moves(state.bodies[row]);
+  };
   for (const PointerRow& pointer : state.pointers) stir(row_of(state, pointer.body));
   for (const JointRow& joint : state.joints) {
     bool stirs = drives_slowly(model, state, joint);
@@ -77,7 +80,8 @@ void disturb(const Model& model, State& state, const TickLists& tick) {
     for (const std::uint32_t id : {spring.body, spring.other})
       if (const std::size_t row = state.find_body(id); row < state.bodies.size()) state.loads[row].calm = 0;
   for (const ContactPair& pair : tick.contact_pairs) {
-    if (!is_moved_by(pair.body_a) && !is_moved_by(pair.body_b) && !(model.has_surfaces && is_conveyor(model, tick, pair)))
+    if (!is_moved_by(pair.body_a) && !is_moved_by(pair.body_b) &&
+        !(model.has_surfaces && is_conveyor(model, tick, pair)))
       continue;
     stir(pair.body_a);
     stir(pair.body_b);

@@ -27,12 +27,12 @@ void list_fields(LoadEstimate& of, const Visit& visit) {
 
 /// The workspace of the search for islands in a tick.
 struct IslandWork {
-  std::vector<BodyType> body_types;        // [body]
-  std::vector<std::uint32_t> set_keys;     // [body] the key of its solver set
-  std::vector<std::uint8_t> island_awake;  // [body] at the island's first row
+  std::vector<BodyType> body_types;          // [body]
+  std::vector<std::uint32_t> set_keys;       // [body] the key of its solver set
+  std::vector<std::uint8_t> island_awake;    // [body] at the island's first row
   std::vector<std::uint8_t> island_carried;  // [body] at the island's first row; empty unless islands are held
   bool all_are_held = false;                 // no island is solved in this tick
-  std::vector<std::uint32_t> part_counts;  // [chunk]
+  std::vector<std::uint32_t> part_counts;    // [chunk]
   std::vector<Support> supports;
   std::vector<std::uint32_t> support_start;  // [body] steps from the ground or the heaviest floating body
   std::vector<std::uint32_t> support_depth;  // [body] steps from the ground or the heaviest floating body
@@ -57,14 +57,14 @@ struct IslandWork {
 
 template <typename Visit>
 void list_fields(IslandWork& of, const Visit& visit) {
-  auto& [body_types, set_keys, island_awake, island_carried, all_are_held, part_counts, supports, support_start, support_depth, support_order,
-         joint_acceleration, load_moment, load_passed_on, tilt_errors, weights, measured, is_floating, known_force,
-         measured_force, measured_level, measured_level_before, island_errors, substeps_before, idle_ticks, direct,
-         island_work] = of;
-  visit(body_types, set_keys, island_awake, island_carried, all_are_held, part_counts, supports, support_start, support_depth, support_order,
-        joint_acceleration, load_moment, load_passed_on, tilt_errors, weights, measured, is_floating, known_force,
-        measured_force, measured_level, measured_level_before, island_errors, substeps_before, idle_ticks, direct,
-        island_work);
+  auto& [body_types, set_keys, island_awake, island_carried, all_are_held, part_counts, supports, support_start,
+         support_depth, support_order, joint_acceleration, load_moment, load_passed_on, tilt_errors, weights, measured,
+         is_floating, known_force, measured_force, measured_level, measured_level_before, island_errors,
+         substeps_before, idle_ticks, direct, island_work] = of;
+  visit(body_types, set_keys, island_awake, island_carried, all_are_held, part_counts, supports, support_start,
+        support_depth, support_order, joint_acceleration, load_moment, load_passed_on, tilt_errors, weights, measured,
+        is_floating, known_force, measured_force, measured_level, measured_level_before, island_errors, substeps_before,
+        idle_ticks, direct, island_work);
 }
 
 /// The stage that decides which bodies sleep, which bodies are solved together, and in how many substeps.

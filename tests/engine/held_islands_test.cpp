@@ -270,8 +270,8 @@ TEST_CASE("a box lands on a held tower, and the tower moves by less than 5 mm an
             run_ticks(*engine, 1);
             const std::vector<BodyReport> bodies = engine->bodies();
             for (std::size_t i = 0; i < rest.size(); ++i)
-              way = std::fmax(way, std::hypot(bodies[i].center.x - rest[i].center.x,
-                                              bodies[i].center.y - rest[i].center.y));
+              way = std::fmax(way,
+                              std::hypot(bodies[i].center.x - rest[i].center.x, bodies[i].center.y - rest[i].center.y));
           }
           CHECK(way < 0.005);
           CHECK(std::abs(engine->bodies().back().center.y - (count + 0.5)) < 0.01);
