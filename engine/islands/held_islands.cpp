@@ -51,6 +51,7 @@ bool drives_slowly(const Model& model, const State& state, const JointRow& joint
   if (joint.motor_speed == 0 || !(joint.motor_force_max > 0)) return false;
   bool is_slow = false;
   for_each_row(model, state, joint, [&](std::uint32_t row) {
+    if (!is_dynamic(model, state, row)) return;
     const BodyModel& body = model.bodies[state.bodies[row].source];
     const Real reach = constants.kind == JointKind::prismatic ? Real(1) : body.extent;
     is_slow |= absolute(joint.motor_speed) * reach <= stalled_factor * calm_speed(model, body);

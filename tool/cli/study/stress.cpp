@@ -199,13 +199,13 @@ std::string run_time_text(const std::vector<RunTimeRow>& rows) {
                fmt::format("{:.3g}", per_tick(row.automatic_s)), fmt::format("{:.3g}", per_tick(row.fixed_s)),
                fmt::format("{:.2f}", row.ratio()), fmt::format("{:.2f}", row.worst_ratio),
                fmt::format("{:.2f}", row.default_ratio()), fmt::format("{:.2f}", row.default_later_ratio()),
-               std::to_string(row.substeps_most),
-               std::to_string(row.ticks_at_most), std::to_string(row.cut_ticks), std::to_string(row.limited_ticks),
-               short_number(row.overlap), short_number(row.gap)});
+               std::to_string(row.substeps_most), std::to_string(row.ticks_at_most), std::to_string(row.cut_ticks),
+               std::to_string(row.limited_ticks), short_number(row.overlap), short_number(row.gap)});
   }
   return "\nrun time  of a tick, automatic substeps and 64 fixed ones in turns on one thread\n" + table.text() +
          verifier::wrapped(fmt::format("ratio: auto over 64. worst: the same of {} ticks. over 4: auto over four "
-                                       "substeps. later: the same without the first {} ticks. substeps: the most of an island. at most: ticks in which an island "
+                                       "substeps. later: the same without the first {} ticks. substeps: the most of an "
+                                       "island. at most: ticks in which an island "
                                        "had the most that the scene allows. cut: ticks in which the budget left a "
                                        "shock unsettled. limited: ticks in which it took substeps from an island. "
                                        "overlap: deepest, of the smallest size. gap: widest. Reported, not judged",
