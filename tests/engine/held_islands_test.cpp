@@ -1,5 +1,6 @@
 // Held islands: with measured loads, islands at rest keep their state and are not solved until something disturbs them.
 // SPDX-License-Identifier: MIT
+#include <algorithm>
 #include <cmath>
 #include <cstring>
 #include <string>
