@@ -15,11 +15,11 @@ constexpr Real calm_share = Real(0.2);
 constexpr Real stalled_factor = 10;  // a motor that wants to be so much faster than calm bodies is stalled
 constexpr Real damping_most = 10;    // 1/s: under more, a body that is pushed may be slow for long
 
-bool is_dynamic(const Model& model, const State& state, std::uint32_t row) {
+bool is_dynamic_row(const Model& model, const State& state, std::uint32_t row) {
   return type_of(model, state, row) == BodyType::dynamic_body;
 }
 
-bool moves(const BodyRow& body) {
+bool has_velocity(const BodyRow& body) {
   return body.velocity.x != 0 || body.velocity.y != 0 || body.angular_velocity != 0;
 }
 
@@ -51,7 +51,7 @@ bool drives_slowly(const Model& model, const State& state, const JointRow& joint
   if (joint.motor_speed == 0 || !(joint.motor_force_max > 0)) return false;
   bool is_slow = false;
   for_each_row(model, state, joint, [&](std::uint32_t row) {
-    if (!is_dynamic(model, state, row)) return;
+    if (!is_dynamic_row(model, state, row)) return;
     const BodyModel& body = model.bodies[state.bodies[row].source];
     const Real reach = constants.kind == JointKind::prismatic ? Real(1) : body.extent;
     is_slow |= absolute(joint.motor_speed) * reach <= stalled_factor * calm_speed(model, body);
@@ -68,7 +68,7 @@ bool is_conveyor(const Model& model, const TickLists& tick, const ContactPair& p
 void disturb(const Model& model, State& state, const TickLists& tick) {
   const auto stir = [&](std::uint32_t row) { state.loads[row].calm = 0; };
   const auto is_moved_by = [&](std::uint32_t row) {
-    return !is_dynamic(model, state, row) && moves(state.bodies[row]);
+    return !is_dynamic_row(model, state, row) && has_velocity(state.bodies[row]);
   };
   for (const PointerRow& pointer : state.pointers) stir(row_of(state, pointer.body));
   for (const JointRow& joint : state.joints) {
@@ -92,8 +92,8 @@ void disturb(const Model& model, State& state, const TickLists& tick) {
 void find_carried(const Model& model, const State& state, TickLists& tick, std::vector<std::uint8_t>& carried) {
   carried.assign(state.bodies.size(), 0);
   const auto meet = [&](std::uint32_t a, std::uint32_t b) {
-    if (is_dynamic(model, state, a) != is_dynamic(model, state, b))
-      carried[find_root(tick.island_parent, is_dynamic(model, state, a) ? a : b)] = 1;
+    if (is_dynamic_row(model, state, a) != is_dynamic_row(model, state, b))
+      carried[find_root(tick.island_parent, is_dynamic_row(model, state, a) ? a : b)] = 1;
   };
   for (std::size_t i = 0; i < tick.contact_pairs.size(); ++i) {
     const ContactRow& contact = state.contacts[i];
@@ -115,7 +115,7 @@ void hold_islands(const Model& model, State& state, TickLists& tick, IslandWork&
   const std::size_t count = state.bodies.size();
   for (std::uint32_t row = 0; row < count; ++row) {
     Real& calm = state.loads[row].calm;
-    if (!is_dynamic(model, state, row) || !is_calm(model, state.bodies[row]))
+    if (!is_dynamic_row(model, state, row) || !is_calm(model, state.bodies[row]))
       calm = 0;
     else if (calm < calm_least)
       calm += dt;
@@ -124,11 +124,11 @@ void hold_islands(const Model& model, State& state, TickLists& tick, IslandWork&
   find_carried(model, state, tick, work.island_carried);
   for (std::uint32_t row = 0; row < count; ++row) work.island_awake[row] = work.island_carried[row] != 0 ? 0 : 1;
   for (std::uint32_t row = 0; row < count; ++row)
-    if (is_dynamic(model, state, row) && state.loads[row].calm < calm_least)
+    if (is_dynamic_row(model, state, row) && state.loads[row].calm < calm_least)
       work.island_awake[find_root(tick.island_parent, row)] = 1;
   work.all_are_held = true;
   for (std::uint32_t row = 0; row < count; ++row) {
-    if (!is_dynamic(model, state, row)) continue;
+    if (!is_dynamic_row(model, state, row)) continue;
     if (work.island_awake[find_root(tick.island_parent, row)] != 0) {
       work.all_are_held = false;
       continue;
