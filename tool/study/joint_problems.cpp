@@ -65,7 +65,7 @@ Problem pendulum_joint() {
   };
   problem.exact = [](double t) { return std::vector<double>{pendulum_angle(pi / 3, std::sqrt(10.0), t)}; };
   problem.slope = 1;
-  problem.slope_of_higher = 2;  // the impulses of rods move bodies for the whole step (Andersen 1983)
+  problem.slope_of_higher = 2;    // the impulses of rods move bodies for the whole step (Andersen 1983)
   set_bars(problem, 0.02, 0.05);  // 1 % of the energy of the fall
   return problem;
 }
