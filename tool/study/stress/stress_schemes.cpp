@@ -12,7 +12,6 @@ namespace {
 
 using engine::Body;
 using engine::JointKind;
-using engine::Point;
 using engine::Precision;
 using engine::Scene;
 
