@@ -137,7 +137,7 @@ void apply_settings(const SceneArguments& arguments, Scene& scene) {
   if (arguments.solver) settings.solver = *arguments.solver;
   if (!info_of(solvers, settings.solver).substeps) settings.substeps = 1;
   if (arguments.substeps) settings.substeps = *arguments.substeps;
-  if (arguments.auto_substeps) settings.auto_substeps.emplace();
+  if (arguments.auto_substeps) choose_substeps(settings);
   if (arguments.sleep) settings.sleep.reset();
   if (arguments.sleep && *arguments.sleep == 1) settings.sleep.emplace();
   if (arguments.locate_impacts) settings.locate_impacts = *arguments.locate_impacts == 1;

@@ -280,6 +280,8 @@ void IslandFinder::run(const Model& model, State& state, TickLists& tick, Real d
     work_.island_awake.assign(state.bodies.size(), 1);
   else
     sleep_by_islands(model, state, tick, work_);
+  work_.all_are_held = false;
+  if (holds_islands(model)) hold_islands(model, state, tick, work_, dt);
   choose_substeps(model, state, tick, work_, dt);
   make_solver_sets(model, state, tick, work_);
 }

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include "engine/joints/direct/direct_components.h"
 #include "engine/math/union_find.h"
 #include "engine/model/model.h"
 #include "engine/model/poison.h"
@@ -26,10 +27,12 @@ void list_fields(LoadEstimate& of, const Visit& visit) {
 
 /// The workspace of the search for islands in a tick.
 struct IslandWork {
-  std::vector<BodyType> body_types;        // [body]
-  std::vector<std::uint32_t> set_keys;     // [body] the key of its solver set
-  std::vector<std::uint8_t> island_awake;  // [body] at the island's first row
-  std::vector<std::uint32_t> part_counts;  // [chunk]
+  std::vector<BodyType> body_types;          // [body]
+  std::vector<std::uint32_t> set_keys;       // [body] the key of its solver set
+  std::vector<std::uint8_t> island_awake;    // [body] at the island's first row
+  std::vector<std::uint8_t> island_carried;  // [body] at the island's first row; empty unless islands are held
+  bool all_are_held = false;                 // no island is solved in this tick
+  std::vector<std::uint32_t> part_counts;    // [chunk]
   std::vector<Support> supports;
   std::vector<std::uint32_t> support_start;  // [body] steps from the ground or the heaviest floating body
   std::vector<std::uint32_t> support_depth;  // [body] steps from the ground or the heaviest floating body
@@ -48,18 +51,22 @@ struct IslandWork {
   std::vector<IslandError> island_errors;            // [body] at the island's first row
   std::vector<std::uint32_t> substeps_before;        // [body] at the island's first row
   std::vector<std::uint32_t> idle_ticks;             // [body] at the island's first row
+  DirectMarks direct;                                // empty unless loads are measured and joints are direct
+  std::vector<Real> sway;                            // [body] 1/s^2, of bodies on direct joints
+  std::vector<std::uint8_t> has_direct;              // [body] at the island's first row: it has direct joints
   std::vector<std::uint64_t> island_work;            // [body] at the island's first row, of a substep
 };
 
 template <typename Visit>
 void list_fields(IslandWork& of, const Visit& visit) {
-  auto& [body_types, set_keys, island_awake, part_counts, supports, support_start, support_depth, support_order,
-         joint_acceleration, load_moment, load_passed_on, tilt_errors, weights, measured, is_floating, known_force,
-         measured_force, measured_level, measured_level_before, island_errors, substeps_before, idle_ticks,
-         island_work] = of;
-  visit(body_types, set_keys, island_awake, part_counts, supports, support_start, support_depth, support_order,
-        joint_acceleration, load_moment, load_passed_on, tilt_errors, weights, measured, is_floating, known_force,
-        measured_force, measured_level, measured_level_before, island_errors, substeps_before, idle_ticks, island_work);
+  auto& [body_types, set_keys, island_awake, island_carried, all_are_held, part_counts, supports, support_start,
+         support_depth, support_order, joint_acceleration, load_moment, load_passed_on, tilt_errors, weights, measured,
+         is_floating, known_force, measured_force, measured_level, measured_level_before, island_errors,
+         substeps_before, idle_ticks, direct, sway, has_direct, island_work] = of;
+  visit(body_types, set_keys, island_awake, island_carried, all_are_held, part_counts, supports, support_start,
+        support_depth, support_order, joint_acceleration, load_moment, load_passed_on, tilt_errors, weights, measured,
+        is_floating, known_force, measured_force, measured_level, measured_level_before, island_errors, substeps_before,
+        idle_ticks, direct, sway, has_direct, island_work);
 }
 
 /// The stage that decides which bodies sleep, which bodies are solved together, and in how many substeps.
@@ -79,6 +86,13 @@ inline BodyType type_of(const Model& model, const State& state, std::uint32_t ro
 inline std::uint32_t row_of(const State& state, std::uint32_t id) {
   return static_cast<std::uint32_t>(state.find_body(id));
 }
+
+/// Whether islands at rest are held: with measured loads, in scenes without sleep.
+bool holds_islands(const Model& model);
+
+/// Holds the islands at rest: work.island_awake is 0 at their first rows, and their velocities are zero. Measures how
+/// long bodies have been calm, and sets work.all_are_held. Requires: holds_islands, islands are united.
+void hold_islands(const Model& model, State& state, TickLists& tick, IslandWork& work, Real dt);
 
 /// Chooses the substeps of each island: tick.island_level, state.substeps. Finds the islands with resting impacts.
 /// Requires: islands are united.

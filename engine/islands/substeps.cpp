@@ -2,10 +2,13 @@
 // SPDX-License-Identifier: MIT
 // Source: the deflection of soft constraints falls as substeps^-2. The error is force / (effective mass * omega^2),
 // with omega proportional to the substep rate. Hence n = 4 sqrt(error at 4 substeps / allowed error).
+#include <algorithm>
+
 #include "base/limits.h"
 #include "engine/islands/islands.h"
 #include "engine/islands/substep_budget.h"
 #include "engine/islands/supports.h"
+#include "engine/math/trig.h"
 
 namespace ticktrue::engine::TICKTRUE_PRECISION {
 namespace {
@@ -45,16 +48,38 @@ Real own_load(const Model& model, const State& state, const IslandWork& work, st
   return work.known_force.empty() ? own : own + work.known_force[row];
 }
 
-/// Finds the forces on each body that are known before the tick: of elements, of inputs, and of motors along an axis. A
-/// motor far from its speed has its largest force, another motor the force of the last tick.
+/// The force of a pointer on its body, if something holds the body back: that of the spring at its present length, at
+/// most the largest force.
+Real pointer_force(const Model& model, const State& state, const PointerRow& pointer) {
+  const PointerSettings& settings = *model.scene.pointer;
+  const BodyRow& body = state.bodies[row_of(state, pointer.body)];
+  const Real mass = model.bodies[body.source].mass;
+  const Vec2 point = body.position + rotate(body.rotation, pointer.anchor);
+  const Real rate = Real(2 * pi) * static_cast<Real>(settings.hertz);
+  const Real wanted = (mass * rate * rate) * length(pointer.target - point);
+  return smaller(larger(wanted, length(pointer.force)), static_cast<Real>(settings.force_max_per_kg) * mass);
+}
+
+/// The force of dampings and drags on a body at its present velocity.
+Real drag_force(const Model& model, const BodyRow& body) {
+  const BodyModel& constants = model.bodies[body.source];
+  const Real speed = length(body.velocity);
+  const Real quadratic = model.body_forces.empty() ? Real(0) : model.body_forces[body.source].quadratic_drag;
+  return constants.mass * (constants.linear_damping + quadratic * speed) * speed;
+}
+
+/// Finds the forces on each body that are known before the tick: of elements, of inputs, of pointers, of dampings, and
+/// of motors along an axis. A motor far from its speed has its largest force, another motor the force of the last tick.
 void find_known_forces(const Model& model, const State& state, const TickLists& tick, IslandWork& work) {
   work.known_force.assign(state.bodies.size(), 0);
   for (std::uint32_t row = 0; row < state.bodies.size(); ++row) {
     const std::uint32_t source = state.bodies[row].source;
     Vec2 force = tick.force.empty() ? Vec2{} : tick.force[row];
     if (!model.body_forces.empty()) force = force + model.bodies[source].mass * model.body_forces[source].acceleration;
-    work.known_force[row] = length(force);
+    work.known_force[row] = length(force) + drag_force(model, state.bodies[row]);
   }
+  for (const PointerRow& pointer : state.pointers)
+    work.known_force[row_of(state, pointer.body)] += pointer_force(model, state, pointer);
   for (const JointRow& joint : state.joints) {
     if (!slides(joint)) continue;
     const std::uint32_t a = row_of(state, joint.body_a);
@@ -66,6 +91,10 @@ void find_known_forces(const Model& model, const State& state, const TickLists& 
     work.known_force[b] += force;
   }
 }
+
+constexpr Real turn_max = Real(0.1);   // rad, of a body on direct joints in a substep: a whip loses energy beyond
+constexpr Real sway_max = Real(0.6);   // rate times substep: light links between heavy bodies come apart beyond
+constexpr int sway_substeps_max = 64;  // enough for 10,000 times the mass of a link at its end
 
 // A measured load counts if it exceeds the weights by this factor, since measured loads of bodies at rest vary.
 constexpr Real excess_least = Real(1.25);
@@ -228,9 +257,54 @@ void add_side_errors(const Model& model, const State& state, const IslandWork& w
   }
 }
 
+/// The squares of the rates, rad/s, at which bodies on direct joints sway: a joint that pulls with force F at distance
+/// r from the centre of mass turns its body back with F r per rad, and rods pull point masses back to their line.
+void find_sways(const Model& model, const State& state, IslandWork& work) {
+  work.sway.assign(state.bodies.size(), 0);
+  for (std::size_t i = 0; i < work.direct.is_direct.size(); ++i) {
+    if (work.direct.is_direct[i] == 0) continue;
+    const JointRow& joint = state.joints[i];
+    const JointModel& constants = model.joints[joint.joint];
+    const Real force = length(joint.linear_force);
+    const bool is_rod = constants.kind == JointKind::distance && constants.length > 0;
+    const auto add = [&](std::uint32_t id, Vec2 anchor) {
+      if (id == no_reference) return;
+      const std::uint32_t row = row_of(state, id);
+      const BodyModel& body = model.bodies[state.bodies[row].source];
+      work.sway[row] += force * length(anchor) * body.inv_inertia;
+      if (is_rod) work.sway[row] += force / constants.length * body.inv_mass;
+    };
+    add(joint.body_a, constants.anchor_a);
+    add(joint.body_b, constants.anchor_b);
+  }
+}
+
+/// Raises the levels of islands with bodies on direct joints until rate_of(row) times a substep is at most `most_turn`,
+/// up to `substeps_max`.
+template <typename RateOf>
+void raise_by_rates(const Model& model, const State& state, TickLists& tick, const IslandWork& work, Real dt,
+                    Real most_turn, int substeps_max, const RateOf& rate_of, std::vector<std::uint32_t>& level) {
+  const Settings& settings = model.scene.settings;
+  const auto least = static_cast<std::uint32_t>(settings.substeps);
+  const auto most = static_cast<std::uint32_t>(std::min(settings.auto_substeps->substeps_max, substeps_max));
+  for (std::size_t i = 0; i < work.direct.is_direct.size(); ++i) {
+    if (work.direct.is_direct[i] == 0) continue;
+    for_each_body(model, model.joints[state.joints[i].joint], [&](std::uint32_t id) {
+      const std::uint32_t row = row_of(state, id);
+      if (type_of(model, state, row) != BodyType::dynamic_body) return;
+      const Real turn = rate_of(row) * dt;
+      std::uint32_t count = least;
+      while (count < most && turn > most_turn * static_cast<Real>(count)) count *= 2;
+      count = count < most ? count : most;
+      std::uint32_t& at = level[find_root(tick.island_parent, row)];
+      if (count > at) at = count;
+    });
+  }
+}
+
 /// Raises the levels of islands whose constraints held more than the weights, both in this tick's forces and in those
 /// of the tick before. One impact therefore does not count.
-void raise_by_measured_loads(const Model& model, State& state, TickLists& tick, IslandWork& work,
+void raise_by_measured_loads(const Model& model, State& state, TickLists& tick, IslandWork& work, Real dt,
                              std::vector<std::uint32_t>& level) {
   work.measured_force.assign(state.bodies.size(), 0);
   for (const std::uint32_t row : work.support_order)
@@ -240,6 +314,9 @@ void raise_by_measured_loads(const Model& model, State& state, TickLists& tick, 
   std::vector<std::uint32_t>& now = work.measured_level;
   now.assign(state.bodies.size(), static_cast<std::uint32_t>(model.scene.settings.substeps));
   raise_levels(model, state, tick, work.measured, work.tilt_errors, now);
+  find_sways(model, state, work);
+  const auto sway_of = [&](std::uint32_t row) { return square_root(work.sway[row]); };
+  raise_by_rates(model, state, tick, work, dt, sway_max, sway_substeps_max, sway_of, now);
   std::vector<std::uint32_t>& before = work.measured_level_before;
   before.assign(state.bodies.size(), 0);
   for (std::uint32_t row = 0; row < state.bodies.size(); ++row) {
@@ -255,29 +332,30 @@ void raise_by_measured_loads(const Model& model, State& state, TickLists& tick, 
   }
 }
 
-}  // namespace
-
-void choose_substeps(const Model& model, State& state, TickLists& tick, IslandWork& work, Real dt) {
+/// Finds the needs of all islands: tick.island_level, tick.load, tick.mass_factor.
+void estimate_needs(const Model& model, State& state, TickLists& tick, IslandWork& work, Real dt) {
   const Settings& settings = model.scene.settings;
-  const auto least = static_cast<std::uint32_t>(settings.substeps);
-  tick.island_level.assign(state.bodies.size(), least);
-  tick.resting_impacts.clear();
-  tick.shock_is_cut = false;
-  tick.island_has_resting_impact.assign(state.bodies.size(), 0);
-  if (!settings.auto_substeps) return;
+  const bool is_measured = settings.substep_loads == SubstepLoads::measured;
+  work.direct.is_direct.clear();
+  if (is_measured && settings.joints == JointSolverKind::direct) mark_direct_joints(model, state, work.direct);
   list_supports(model, state, tick, work, dt / static_cast<Real>(reference_substeps));
   find_depths(model, state, work);
   find_joint_accelerations(state, work);
-  const bool is_measured = settings.substep_loads == SubstepLoads::measured;
   if (is_measured) find_known_forces(model, state, tick, work);
   estimate_errors(model, state, work, {}, work.weights);
   estimate_tilts(state, work);
   std::vector<std::uint32_t>& level = tick.island_level;
   raise_levels(model, state, tick, work.weights, work.tilt_errors, level);
-  if (is_measured) raise_by_measured_loads(model, state, tick, work, level);
+  if (is_measured) raise_by_measured_loads(model, state, tick, work, dt, level);
+  const auto turn_of = [&](std::uint32_t row) { return absolute(state.bodies[row].angular_velocity); };
+  raise_by_rates(model, state, tick, work, dt, turn_max, settings.auto_substeps->substeps_max, turn_of, level);
   find_mass_factors(model, state, tick, work);
   tick.load = work.weights.load;
-  // The number of substeps of an island rises at once and falls after enough idle ticks.
+}
+
+/// Raises the number of substeps of an island at once, and lowers it after enough idle ticks.
+void change_levels(const Model& model, State& state, TickLists& tick, IslandWork& work) {
+  std::vector<std::uint32_t>& level = tick.island_level;
   std::vector<std::uint32_t>& had = work.substeps_before;
   had.assign(state.bodies.size(), 0);
   std::vector<std::uint32_t>& idle = work.idle_ticks;
@@ -300,9 +378,28 @@ void choose_substeps(const Model& model, State& state, TickLists& tick, IslandWo
     now.count = keeps ? had[root] : level[root];
     now.idle_ticks = keeps ? idle[root] + 1 : 0;
   }
-  for (std::uint32_t row = 0; row < state.bodies.size(); ++row)
+}
+
+}  // namespace
+
+void choose_substeps(const Model& model, State& state, TickLists& tick, IslandWork& work, Real dt) {
+  const Settings& settings = model.scene.settings;
+  const std::size_t count = state.bodies.size();
+  tick.island_level.assign(count, static_cast<std::uint32_t>(settings.substeps));
+  tick.resting_impacts.clear();
+  tick.shock_is_cut = false;
+  tick.island_has_resting_impact.assign(count, 0);
+  if (!settings.auto_substeps) return;
+  if (work.all_are_held) {  // the needs stay as they are
+    tick.load.assign(count, 0);
+    tick.mass_factor.assign(count, 1);
+  } else {
+    estimate_needs(model, state, tick, work, dt);
+    change_levels(model, state, tick, work);
+  }
+  for (std::uint32_t row = 0; row < count; ++row)
     if (type_of(model, state, row) == BodyType::dynamic_body)
-      level[find_root(tick.island_parent, row)] = state.substeps[row].count;
+      tick.island_level[find_root(tick.island_parent, row)] = state.substeps[row].count;
   tick.shock_work_left = shock_work_max;
   if (has_budget(model)) apply_budget(model, state, tick, work);
   find_resting_impacts(model, state, tick, dt);

@@ -94,18 +94,20 @@ void list_supports(const Model& model, const State& state, TickLists& tick, Isla
     work.supports[start[pair.body_b + 1]++] = {
         pair.body_a, compliance, force, 0, 0, Real(0.5) * (p.anchor_b + q.anchor_b), half_width2, angular_compliance};
   }
-  for (const JointRow& joint : state.joints) {
+  for (std::size_t i = 0; i < state.joints.size(); ++i) {
+    const JointRow& joint = state.joints[i];
     if (!supports(joint, is_measured)) continue;
+    const bool is_direct = i < work.direct.is_direct.size() && work.direct.is_direct[i] != 0;
     const std::uint32_t a = row_of(state, joint.body_a);
     const std::uint32_t b = row_of(state, joint.body_b);
-    const Real compliance = joint_compliance(model, state, a, b, h);
+    const Real compliance = is_direct ? Real(0) : joint_compliance(model, state, a, b, h);
     const JointModel& constants = model.joints[joint.joint];
     const Real force = is_measured ? length(joint.linear_force) : Real(0);
     const Real arm_a = length(constants.anchor_a);
     const Real arm_b = length(constants.anchor_b);
     const Vec2 anchor_a = rotate(state.bodies[a].rotation, constants.anchor_a);
     const Vec2 anchor_b = rotate(state.bodies[b].rotation, constants.anchor_b);
-    const Real angular_compliance = joint_angular_compliance(model, state, constants, a, b, h);
+    const Real angular_compliance = is_direct ? Real(0) : joint_angular_compliance(model, state, constants, a, b, h);
     work.supports[start[a + 1]++] = {b, compliance, force, arm_a, arm_b, anchor_a, 0, angular_compliance};
     work.supports[start[b + 1]++] = {a, compliance, force, arm_b, arm_a, anchor_b, 0, angular_compliance};
   }

@@ -11,9 +11,11 @@ namespace {
 /// A batch costs about as much as one joint of the scalar path, so two joints per level already pay.
 constexpr std::size_t joints_per_level_least = 2;
 
-JointPath path_of(const JointModel& joint) {
+/// Batches have no way to leave out springs and motors, as integrators with a drift velocity want it (joint_changes.h
+/// in solvers/).
+JointPath path_of(const JointModel& joint, bool has_drift) {
   if (joint.is_plain_revolute) return JointPath::revolute;
-  return joint.is_driven_revolute ? JointPath::driven_revolute : JointPath::scalar;
+  return joint.is_driven_revolute && !has_drift ? JointPath::driven_revolute : JointPath::scalar;
 }
 
 /// Sorts the places by level and path, stable.
@@ -44,6 +46,8 @@ void order_joints(const SolvedSet& solved, bool may_use_wavefront, std::span<con
   const State& state = solved.state;
   const std::vector<BodyMass>& masses = solved.bodies.masses;
   const std::uint32_t sink = dummy_sink(solved.bodies);
+  // Of the integrators that carry joints, this one alone moves bodies with the end velocity.
+  const bool has_drift = model.scene.settings.integrator != IntegratorKind::semi_implicit_euler;
   out.places.clear();
   out.level_count = 0;
   out.schedule.exists = false;
@@ -65,7 +69,7 @@ void order_joints(const SolvedSet& solved, bool may_use_wavefront, std::span<con
     if (a_moves) work.body_levels[a] = level + 1;
     if (b_moves) work.body_levels[b] = level + 1;
     if (level >= out.level_count) out.level_count = level + 1;
-    const JointPath path = path_of(joint);
+    const JointPath path = path_of(joint, has_drift);
     in_batches += path == JointPath::scalar ? 0u : 1u;
     out.places.push_back({i, state.joints[i].joint, a, b, level, joint.kind, path, joint.anchor_a, joint.anchor_b});
   }

@@ -23,13 +23,14 @@ struct JointWorkspace {
   std::vector<JointWork> joints;  // of the scalar path
   RevoluteBatches revolutes;
   DrivenRevoluteBatches driven_revolutes;
-  bool uses_wavefront = false;  // joints are solved by a wavefront sweep
+  std::vector<JointImpulses> impulses;  // [joint of the scalar path] while joints holds those of find_joint_changes
+  bool uses_wavefront = false;          // joints are solved by a wavefront sweep
 };
 
 template <typename Visit>
 void list_fields(JointWorkspace& of, const Visit& visit) {
-  auto& [plan, order, torques, joints, revolutes, driven_revolutes, uses_wavefront] = of;
-  visit(plan, order, torques, joints, revolutes, driven_revolutes, uses_wavefront);
+  auto& [plan, order, torques, joints, revolutes, driven_revolutes, impulses, uses_wavefront] = of;
+  visit(plan, order, torques, joints, revolutes, driven_revolutes, impulses, uses_wavefront);
 }
 
 /// Orders the joints of a set. `may_use_wavefront`: only joints act on its bodies in this tick. `left_out`: as for

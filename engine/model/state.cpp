@@ -235,6 +235,7 @@ TableSchema schema_of(const Model&, const std::string& name, const std::vector<L
           {
               whole("body", ScalarType::u32, 1, offsetof(LoadRow, body), id_max, body_table),
               whole("wanted", ScalarType::u32, 1, offsetof(LoadRow, wanted), limits::substep_count_max),
+              real("calm", 1, offsetof(LoadRow, calm), 0),
           },
           sizeof(LoadRow),
           1};
@@ -420,7 +421,7 @@ void add_body_row(const Model& model, State& state, const BodyRow& body) {
   if (settings.sleep) state.sleep.push_back({body.id, 0, 0});
   if (keeps_accelerations(model)) state.accelerations.push_back({});
   if (settings.auto_substeps) state.substeps.push_back({body.id, static_cast<std::uint32_t>(settings.substeps), 0});
-  if (settings.substep_loads == SubstepLoads::measured) state.loads.push_back({body.id, 0});
+  if (settings.substep_loads == SubstepLoads::measured) state.loads.push_back({body.id, 0, 0});
 }
 
 void erase_body_row(State& state, std::size_t row) {

@@ -106,6 +106,7 @@ struct SubstepRow {
 struct LoadRow {
   std::uint32_t body;    // id
   std::uint32_t wanted;  // substeps; 0 before the first tick
+  Real calm;             // s, for which the body has hardly moved; an island is held after one second
 };
 
 inline constexpr double saved_work_max = 0x1p53;
@@ -138,7 +139,7 @@ static_assert(sizeof(JointRow) == 16 + 9 * sizeof(Real));
 static_assert(sizeof(GearRow) == 2 * sizeof(Real));
 static_assert(sizeof(SleepRow) == 8 + sizeof(Real));
 static_assert(sizeof(SubstepRow) == 12);
-static_assert(sizeof(LoadRow) == 8);
+static_assert(sizeof(LoadRow) == 8 + sizeof(Real));
 static_assert(sizeof(BudgetRow) == 16);
 static_assert(sizeof(AccelerationRow) == 3 * sizeof(Real));
 static_assert(sizeof(IntegratorRow) == 4);
@@ -184,6 +185,7 @@ struct State {
   /// Wakes the body's island.
   void wake(std::size_t row) {
     if (!sleep.empty()) sleep[row].calm = 0;
+    if (!loads.empty()) loads[row].calm = 0;
   }
 };
 

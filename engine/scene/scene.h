@@ -225,6 +225,17 @@ struct Settings {
   bool operator==(const Settings&) const = default;
 };
 
+inline constexpr int default_substep_budget = 160;
+
+/// Automatic substeps as scene files have them by `"substeps": "auto"` alone: from all loads, within a budget, and with
+/// joints that are solved directly if the solver can.
+inline void choose_substeps(Settings& settings) {
+  settings.auto_substeps.emplace();
+  settings.substep_loads = SubstepLoads::measured;
+  settings.substep_budget = default_substep_budget;
+  if (info_of(solvers, settings.solver).chooses_joints) settings.joints = JointSolverKind::direct;
+}
+
 /// Removes automatic substeps, and the settings that only they have.
 inline void fix_substeps(Settings& settings) {
   settings.auto_substeps.reset();

@@ -322,9 +322,8 @@ class SceneJsonReader : public JsonReader {
     const bool is_auto = value.type == JsonValue::Type::text && value.text == "auto";
     if (!is_auto && value.type != JsonValue::Type::object)
       return wrong_type(path, value, "a number, \"auto\" or {\"least\", \"target_error\", \"most\"}");
-    AutoSubsteps& automatic = out.auto_substeps.emplace();
     std::vector<Field> fields{whole("least", ranges::substeps, out.substeps)};
-    add_fields(fields, automatic);
+    add_fields(fields, out.auto_substeps.emplace());
     return is_auto || object(value, path, fields);
   }
 
@@ -345,7 +344,7 @@ class SceneJsonReader : public JsonReader {
   }
 
   bool read(const JsonValue& value, const JsonPath& path, Settings& out) {
-    bool has_substeps = false;
+    bool has_substeps = false, has_joints = false, has_loads = false, has_budget = false;
     std::vector<Field> fields = fields_of(out);
     find(fields, "dt")->read = [&](const JsonValue& v, const JsonPath& p) { return dt(v, p, out.dt); };
     find(fields, "locate_impacts")->read = [&](const JsonValue& v, const JsonPath& p) {
@@ -356,8 +355,17 @@ class SceneJsonReader : public JsonReader {
     };
     find(fields, "substeps")->read = [&](const JsonValue& v, const JsonPath& p) { return substeps(v, p, out); };
     note(find(fields, "substeps"), has_substeps);
+    note(find(fields, "joints"), has_joints);
+    note(find(fields, "substep_loads"), has_loads);
+    note(find(fields, "substep_budget"), has_budget);
     if (!object(value, path, fields)) return false;
     if (!has_substeps && !info_of(solvers, out.solver).substeps) out.substeps = 1;
+    if (!out.auto_substeps) return true;
+    Settings chosen = out;
+    choose_substeps(chosen);
+    if (!has_joints) out.joints = chosen.joints;
+    if (!has_loads) out.substep_loads = chosen.substep_loads;
+    if (!has_budget) out.substep_budget = chosen.substep_budget;
     return true;
   }
 

@@ -200,7 +200,8 @@ class Printer {
     const Settings unset;
     visit_fields(
         [&](const FieldInfo& field, const auto& value, const auto& default_value) {
-          if (field.since > 0 && same_bits(value, default_value)) return;
+          // With automatic substeps, a reader would choose other values for settings that are left out.
+          if (field.since > 0 && !settings.auto_substeps && same_bits(value, default_value)) return;
           if (field.name == "dt")
             add_dt(settings.dt);
           else if (field.name == "substeps")

@@ -7,6 +7,7 @@
 #include "engine/integrators/integrator.h"
 #include "engine/islands/solver_sets.h"
 #include "engine/model/bodies.h"
+#include "engine/solvers/joint_changes.h"
 #include "engine/solvers/solver.h"
 
 namespace ticktrue::engine::TICKTRUE_PRECISION {
@@ -28,6 +29,7 @@ void solve_pgs(const Model& model, State& state, TickLists& tick, SolverWork& wo
     prepare_joints(solved, joints);
     prepare_gears(solved, gears);
     solved.set.stiffness = baumgarte_contacts(dt);
+    prepare_joint_changes(solved, work.motion);
     color_contacts(solved, false, work.contacts);
     prepare_contacts(solved, work.contacts.colors, contacts);
     scheme.begin(solved, work.motion, dt);
@@ -45,6 +47,7 @@ void solve_pgs(const Model& model, State& state, TickLists& tick, SolverWork& wo
       solve_mouse_joints(mouse_joints, work.bodies);
       solve_contacts(solved, contacts);
     }
+    find_joint_changes(solved, joints, gears, work.direct.components, work.motion);
     scheme.drift(solved, work.motion, dt);
     finish_impacts(solved, work.impacts);
     store_contacts(solved, contacts, state);

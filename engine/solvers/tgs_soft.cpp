@@ -7,6 +7,7 @@
 #include "engine/islands/solver_sets.h"
 #include "engine/islands/substep_budget.h"
 #include "engine/solvers/fault.h"
+#include "engine/solvers/joint_changes.h"
 #include "engine/solvers/solver.h"
 #include "engine/solvers/substep_strategies.h"
 
@@ -42,6 +43,7 @@ void solve_in_turn(SolvedSet& solved, TickLists& tick, SolverWork& work, State& 
     Real settled = settled_speed(solved);  // 0 unless an impact has hit bodies at rest
     propagate_shock(solved, settled, tick, contacts, shock);
     meet_direct(solved, motion, direct);
+    find_joint_changes(solved, joints, gears, direct.components, motion);
     scheme.drift(solved, motion, set.h);  // x += h v
     finish_impacts(solved, impacts);
     end_direct_move(solved, direct);
@@ -75,7 +77,8 @@ void solve_tgs_soft(const Model& model, State& state, TickLists& tick, SolverWor
     const SubstepStrategy solve_substeps = plan_substeps(solved, some_are_free, work);
     prepare_joints(solved, work.joints);
     prepare_gears(solved, work.gears);
-    prepare_direct(solved, work.joints.plan, work.mouse_joints, work.motion, work.direct);
+    prepare_joint_changes(solved, work.motion);
+    prepare_direct(solved, work.joints.plan, work.mouse_joints, work.direct);
     integrator(model.scene.settings.integrator).begin(solved, work.motion, h);
     solve_substeps(solved, tick, work, state);
     store_mouse_joints(work.mouse_joints, state, h);  // forces, since the next tick may have another h

@@ -97,8 +97,9 @@ TEST_CASE("a budget is a whole number from 0 to 1,000,000", "[engine][scene][bud
 }
 
 TEST_CASE("a budget bounds the substeps of the only island, and counts the ticks", "[engine][islands][budget]") {
+  // A scene counts as at least 88 boxes, so budgets of small scenes reach further.
   for (const Precision precision : {Precision::f32, Precision::f64})
-    for (const int budget : {4, 8, 32}) {
+    for (const int budget : {4, 8, 16}) {
       CAPTURE(precision, budget);
       const auto engine = make_engine_or_fail(scene_with_budget("stack?boxes=40", budget, precision));
       run_ticks(*engine, 10);

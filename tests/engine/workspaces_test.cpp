@@ -4,7 +4,9 @@
 #include <cstring>
 #include <vector>
 
+#include "engine/joints/direct/direct_components.h"
 #include "engine/model/poison.h"
+#include "engine/random_worlds/random_world.h"
 #include "engine/solvers/solver_work.h"
 #include "tests/support/catch.h"
 
@@ -84,4 +86,28 @@ TEST_CASE("a solver lists each of its caches once, and poison leaves them", "[en
   list_fields(work, engine::Poison{});
   follow();
   CHECK(work.motion.velocity_steps.hits() == 1);
+}
+
+TEST_CASE("the marks of direct joints are the joints of the direct components, in random worlds",
+          "[engine][joints][direct][worlds]") {
+  int direct_count = 0;
+  int iterative_count = 0;
+  for (std::uint64_t seed = 1; seed <= 500; ++seed) {
+    engine::Scene scene = engine::random_world(seed, {60, 1}).scene;
+    if (scene.joints.empty()) continue;
+    const f64::Model model = f64::make_model(scene);
+    const f64::State state = f64::initial_state(model);
+    f64::DirectComponents components;
+    std::vector<f64::DirectPlace> places;
+    components.follow(model, state, places);
+    f64::DirectMarks marks;
+    f64::mark_direct_joints(model, state, marks);
+    CAPTURE(seed);
+    REQUIRE(marks.is_direct.size() == state.joints.size());
+    REQUIRE(std::vector<std::uint8_t>(components.direct_joints().begin(), components.direct_joints().end()) ==
+            marks.is_direct);
+    for (const std::uint8_t is_direct : marks.is_direct) ++(is_direct != 0 ? direct_count : iterative_count);
+  }
+  CHECK(direct_count > 500);
+  CHECK(iterative_count > 100);
 }

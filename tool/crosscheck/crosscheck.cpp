@@ -417,6 +417,8 @@ Scene scene_with_solver(const Scene& scene, SolverKind solver) {
     changed.settings.substeps = 1;
     engine::fix_substeps(changed.settings);
   }
+  if (!engine::info_of(engine::solvers, solver).chooses_joints)
+    changed.settings.joints = engine::JointSolverKind::iterative;
   if (substeps && !substepped) changed.settings.substeps = engine::Settings{}.substeps;
   return changed;
 }

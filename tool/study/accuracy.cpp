@@ -38,7 +38,7 @@ engine::Scene scene_of(const Problem& problem, const Method& method, const Setti
   settings.dt = setting.dt;
   settings.substeps = setting.substeps;
   if (method.automatic) {
-    settings.auto_substeps.emplace();
+    engine::choose_substeps(settings);
     settings.auto_substeps->target_error = setting.target;
   }
   if (!method.locates) settings.locate_impacts = false;

@@ -209,7 +209,7 @@ Scene scene_of(const CompareSession& session, const Variant& variant) {
     engine::fix_substeps(settings);
     settings.substeps = *variant.substeps;
   }
-  if (variant.substeps && *variant.substeps == 0) settings.auto_substeps.emplace();
+  if (variant.substeps && *variant.substeps == 0 && !settings.auto_substeps) engine::choose_substeps(settings);
   if (variant.precision) settings.precision = *variant.precision;
   if (variant.dt) settings.dt = *variant.dt;
   if (variant.clock) settings.clock.kind = *variant.clock;

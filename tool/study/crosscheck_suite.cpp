@@ -29,7 +29,7 @@ struct Builder {
   Scene scene;
 
   Builder() {
-    scene.settings.auto_substeps.emplace();
+    engine::choose_substeps(scene.settings);
     add_static({0, -1}, box(40, 2));
   }
 

@@ -178,4 +178,51 @@ void DirectComponents::finish(const Model& model, const State& state) {
   std::erase_if(components_, [](const DirectComponent& component) { return component.graph == nullptr; });
 }
 
+void mark_direct_joints(const Model& model, const State& state, DirectMarks& out) {
+  const std::size_t count = state.bodies.size();
+  out.parent.resize(count);
+  std::iota(out.parent.begin(), out.parent.end(), std::uint32_t{0});
+  out.edges.assign(count, 0);
+  out.sizes.assign(count, 0);
+  out.is_iterative.assign(count, 0);
+  out.is_direct.assign(state.joints.size(), 0);
+  // Calls visit(row) for each dynamic body of a joint. Returns the last one, or no_reference.
+  const auto for_each_moving = [&](const JointModel& joint, auto visit) {
+    std::uint32_t last = no_reference;
+    for_each_body(model, joint, [&](std::uint32_t id) {
+      const std::uint32_t row = row_of_body(state, id);
+      if (!is_dynamic_body(model, state, row)) return;
+      visit(last, row);
+      last = row;
+    });
+    return last;
+  };
+  const auto for_each_rigid = [&](auto visit) {
+    for (std::size_t i = 0; i < state.joints.size(); ++i) {
+      const JointModel& joint = model.joints[state.joints[i].joint];
+      if (const JointRole role = role_of(joint); role != JointRole::force) visit(i, joint, role);
+    }
+  };
+  for_each_rigid([&](std::size_t, const JointModel& joint, JointRole) {
+    for_each_moving(joint, [&](std::uint32_t last, std::uint32_t row) {
+      if (last != no_reference) unite(out.parent, last, row);
+    });
+  });
+  for (std::uint32_t row = 0; row < count; ++row)
+    if (is_dynamic_body(model, state, row)) ++out.sizes[find_root(out.parent, row)];
+  for_each_rigid([&](std::size_t, const JointModel& joint, JointRole role) {
+    const std::uint32_t member = for_each_moving(joint, [&](std::uint32_t last, std::uint32_t row) {
+      if (last != no_reference) ++out.edges[find_root(out.parent, row)];
+    });
+    if (member != no_reference && role == JointRole::iterative) out.is_iterative[find_root(out.parent, member)] = 1;
+  });
+  for_each_rigid([&](std::size_t i, const JointModel& joint, JointRole) {
+    const std::uint32_t member = for_each_moving(joint, [](std::uint32_t, std::uint32_t) {});
+    if (member == no_reference) return;
+    const std::uint32_t root = find_root(out.parent, member);
+    const bool has_many_loops = out.edges[root] + 1 > out.sizes[root] + direct_loop_max;
+    out.is_direct[i] = out.is_iterative[root] == 0 && !has_many_loops ? 1 : 0;
+  });
+}
+
 }  // namespace ticktrue::engine::TICKTRUE_PRECISION

@@ -67,4 +67,22 @@ class DirectComponents final : public TickCache {
   std::vector<std::uint32_t> component_of_;  // [row of a body]
 };
 
+/// The joints that are solved directly, found without their order of elimination.
+struct DirectMarks {
+  std::vector<std::uint8_t> is_direct;     // [row of a joint]; empty: none is direct
+  std::vector<std::uint32_t> parent;       // [body] union-find
+  std::vector<std::uint32_t> edges;        // [body] at a component's root: joints between dynamic bodies
+  std::vector<std::uint32_t> sizes;        // [body] at a component's root: dynamic bodies
+  std::vector<std::uint8_t> is_iterative;  // [body] at a component's root: some joint has no equations
+};
+
+template <typename Visit>
+void list_fields(DirectMarks& of, const Visit& visit) {
+  auto& [is_direct, parent, edges, sizes, is_iterative] = of;
+  visit(is_direct, parent, edges, sizes, is_iterative);
+}
+
+/// Fills out.is_direct as DirectComponents::direct_joints would. Requires: the scene has direct joints.
+void mark_direct_joints(const Model& model, const State& state, DirectMarks& out);
+
 }  // namespace ticktrue::engine::TICKTRUE_PRECISION

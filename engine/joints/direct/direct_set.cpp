@@ -166,14 +166,11 @@ void find_direct_joints(const Model& model, const State& state, DirectWorkspace&
 }
 
 void prepare_direct(const SolvedSet& solved, const JointPlan& plan, const std::vector<MouseJoint>& mouse_joints,
-                    MotionWorkspace& motion, DirectWorkspace& work) {
+                    DirectWorkspace& work) {
   work.turn_count = 1;
   list_set_components(solved, work);
-  motion.drift.joint_changes.clear();
   if (work.set_components.empty()) return;
   if (is_touched(solved, plan, mouse_joints, work.components)) work.turn_count = turn_count_of_touched;
-  if (integrator(solved.model.scene.settings.integrator).drift_share > 0)
-    motion.drift.joint_changes.assign(solved.state.bodies.size(), Twist{});
   for_islands(solved, work,
               [&](const DirectComponent& component, DirectSetIsland& at) { fill_island(solved, component, at); });
 }

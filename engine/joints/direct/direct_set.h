@@ -70,7 +70,7 @@ void find_direct_joints(const Model& model, const State& state, DirectWorkspace&
 /// Fills the islands of a set. `plan`: of the joints that are solved by iteration. Requires: prepare_joints,
 /// prepare_mouse_joints.
 void prepare_direct(const SolvedSet& solved, const JointPlan& plan, const std::vector<MouseJoint>& mouse_joints,
-                    MotionWorkspace& motion, DirectWorkspace& work);
+                    DirectWorkspace& work);
 /// Lets springs, motors and limits act. Call before the integrator predicts.
 void begin_direct_substep(const SolvedSet& solved, DirectWorkspace& work);
 /// Applies the given impulses: those of motors at their bounds. Call after the integrator has predicted.

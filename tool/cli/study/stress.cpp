@@ -38,8 +38,8 @@ struct StressCommand {
   bool no_limits = false;
   bool limits_alone = false;
   bool run_time = false;
-  std::string loads = "weight";
-  std::uint64_t budget = 0;
+  std::string loads = "measured";
+  std::uint64_t budget = engine::default_substep_budget;
   bool brief = false;
   bool list = false;
   bool example = false;
@@ -190,25 +190,26 @@ Json report_json(const std::vector<StressRow>& rows, const std::vector<Stability
 }
 
 std::string run_time_text(const std::vector<RunTimeRow>& rows) {
-  TextTable table({"scene", "precision", "ticks", "auto ms", "64 sub ms", "ratio", "worst", "over 4", "substeps",
-                   "at most", "cut", "limited", "overlap", "gap m"},
+  TextTable table({"scene", "precision", "ticks", "auto ms", "64 sub ms", "ratio", "worst", "over 4", "later",
+                   "substeps", "at most", "cut", "limited", "overlap", "gap m"},
                   2);
   for (const RunTimeRow& row : rows) {
     const auto per_tick = [&](double seconds) { return seconds * 1e3 / static_cast<double>(row.tick_count); };
     table.add({row.scene, std::string(precision_name(row.precision)), std::to_string(row.tick_count),
                fmt::format("{:.3g}", per_tick(row.automatic_s)), fmt::format("{:.3g}", per_tick(row.fixed_s)),
                fmt::format("{:.2f}", row.ratio()), fmt::format("{:.2f}", row.worst_ratio),
-               fmt::format("{:.2f}", row.default_ratio()), std::to_string(row.substeps_most),
-               std::to_string(row.ticks_at_most), std::to_string(row.cut_ticks), std::to_string(row.limited_ticks),
-               short_number(row.overlap), short_number(row.gap)});
+               fmt::format("{:.2f}", row.default_ratio()), fmt::format("{:.2f}", row.default_later_ratio()),
+               std::to_string(row.substeps_most), std::to_string(row.ticks_at_most), std::to_string(row.cut_ticks),
+               std::to_string(row.limited_ticks), short_number(row.overlap), short_number(row.gap)});
   }
   return "\nrun time  of a tick, automatic substeps and 64 fixed ones in turns on one thread\n" + table.text() +
          verifier::wrapped(fmt::format("ratio: auto over 64. worst: the same of {} ticks. over 4: auto over four "
-                                       "substeps. substeps: the most of an island. at most: ticks in which an island "
+                                       "substeps. later: the same without the first {} ticks. substeps: the most of an "
+                                       "island. at most: ticks in which an island "
                                        "had the most that the scene allows. cut: ticks in which the budget left a "
                                        "shock unsettled. limited: ticks in which it took substeps from an island. "
                                        "overlap: deepest, of the smallest size. gap: widest. Reported, not judged",
-                                       verifier::run_time_window),
+                                       verifier::run_time_window, verifier::run_time_settling),
                            4);
 }
 
@@ -225,6 +226,8 @@ Json run_time_json(const std::vector<RunTimeRow>& rows, const std::string& comma
                               {"automatic_s", row.automatic_s},
                               {"fixed_s", row.fixed_s},
                               {"default_s", row.default_s},
+                              {"automatic_later_s", row.automatic_later_s},
+                              {"default_later_s", row.default_later_s},
                               {"ratio", row.ratio()},
                               {"worst_ratio", row.worst_ratio},
                               {"substeps_most", row.substeps_most},
@@ -305,8 +308,8 @@ int run_run_times(const StressCommand& command) {
   std::string command_line = "ticktrue stress --run-time";
   for (const std::string& name : command.cases) command_line += " " + name;
   for (const std::string& name : command.precisions) command_line += " --precision " + name;
-  if (command.loads != "weight") command_line += " --loads " + command.loads;
-  if (command.budget > 0) command_line += " --budget " + std::to_string(command.budget);
+  if (command.loads != "measured") command_line += " --loads " + command.loads;
+  if (command.budget != engine::default_substep_budget) command_line += " --budget " + std::to_string(command.budget);
   if (command.files.json)
     print_json(run_time_json(*rows, command_line));
   else
@@ -391,10 +394,11 @@ void add_stress(CLI::App& app, CliContext& context) {
           ->excludes(limits);
   std::vector<std::string> loads;
   for (const auto& info : engine::substep_loads) loads.emplace_back(info.name);
-  command->add_option("--loads", options->loads, "Of --run-time: substep_loads of the scenes")
+  command->add_option("--loads", options->loads, "Of --run-time: substep_loads of the scenes; default: measured")
       ->needs(run_time)
       ->check(CLI::IsMember(loads));
-  add_number(*command, "--budget", options->budget, "Of --run-time: substep_budget of the scenes; default: 0, no limit",
+  add_number(*command, "--budget", options->budget,
+             "Of --run-time: substep_budget of the scenes, 0: no limit; default: 160",
              {0, static_cast<std::uint64_t>(engine::ranges::substep_budget.max)})
       ->needs(run_time);
   command->add_flag("--brief", options->brief, "One line a case");

@@ -26,15 +26,13 @@ std::vector<StressMethod> contact_methods() {
 std::vector<StressMethod> load_methods() {
   std::vector<StressMethod> methods = contact_methods();
   methods.pop_back();
-  methods.insert(methods.begin() + 2,
-                 {"tgs_soft measured", SolverKind::tgs_soft, IntegratorKind::semi_implicit_euler, true, false, true});
   return methods;
 }
 
 std::vector<StressMethod> joint_methods() {
   std::vector<StressMethod> methods = load_methods();
-  methods.insert(methods.begin() + 3, {"tgs_soft direct", SolverKind::tgs_soft, IntegratorKind::semi_implicit_euler,
-                                       false, false, false, true});
+  methods.insert(methods.begin() + 2,
+                 {"tgs_soft direct", SolverKind::tgs_soft, IntegratorKind::semi_implicit_euler, false, false, true});
   return methods;
 }
 
@@ -57,7 +55,6 @@ namespace {
 // The reason of a row that fails while `method` keeps the bounds.
 std::string passes_with(const StressMethod& method) {
   std::string text = "passes with ";
-  if (method.is_measured) return text + "automatic substeps from measured loads";
   if (method.automatic) return text + "automatic substeps";
   if (method.joins_direct) return text + "direct joints";
   return text + "the default's substeps";

@@ -28,12 +28,11 @@ struct StressMethod {
   engine::IntegratorKind integrator = engine::IntegratorKind::semi_implicit_euler;
   bool automatic = false;     // substeps
   bool is_baseline = false;   // only for comparison: failures are expected
-  bool is_measured = false;   // automatic substeps follow measured loads
   bool joins_direct = false;  // joints are solved directly
 };
 /// The default, automatic substeps, pgs, impulse.
 std::vector<StressMethod> contact_methods();
-/// The default, automatic substeps, automatic substeps from measured loads, pgs.
+/// The default, automatic substeps, pgs.
 std::vector<StressMethod> load_methods();
 /// The methods of load_methods, and direct joints.
 std::vector<StressMethod> joint_methods();

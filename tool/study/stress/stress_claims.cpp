@@ -20,11 +20,14 @@ constexpr NamedCure named_cures[]{
     {"hanging", "tgs_soft auto", "README.md"},
     {"top_heavy", "tgs_soft auto", "docs/study.md"},
     {"swinging", "tgs_soft auto", "docs/study.md"},
-    {"load_force", "tgs_soft measured", "docs/scenes.md"},
-    {"load_input", "tgs_soft measured", "docs/scenes.md"},
-    {"load_ram", "tgs_soft measured", "docs/scenes.md"},
-    {"floating", "tgs_soft measured", "docs/scenes.md"},
-    {"pinned", "tgs_soft measured", "docs/scenes.md"},
+    {"load_force", "tgs_soft auto", "docs/scenes.md"},
+    {"load_input", "tgs_soft auto", "docs/scenes.md"},
+    {"load_ram", "tgs_soft auto", "docs/scenes.md"},
+    {"load_pointer", "tgs_soft auto", "docs/scenes.md"},
+    {"load_pusher_5", "tgs_soft auto", "docs/scenes.md"},
+    {"load_pusher_20", "tgs_soft auto", "docs/scenes.md"},
+    {"floating", "tgs_soft auto", "docs/scenes.md"},
+    {"pinned", "tgs_soft auto", "docs/scenes.md"},
     {"direct_gain", "velocity_verlet", "docs/physics.md"},
     {"direct_gain", "position_verlet", "docs/physics.md"},
     {"direct_gain", "rk4", "docs/physics.md"},
@@ -32,12 +35,11 @@ constexpr NamedCure named_cures[]{
 };
 
 constexpr const char* plate = "what a kinematic plate presses with is no load";
-constexpr const char* plate_measured = "a row before a kinematic plate gives way more than a stack does";
+constexpr const char* plate_measured = "a row has no weight, and gets half the substeps of a stack";
 constexpr const char* pointer = "what a pointer pulls with is no load";
-constexpr const char* pointer_measured = "a pointer of 1e4 N and more breaks through a stack";
 constexpr const char* coarse = "f32 rounds places far from the origin";
 constexpr const char* whirl = "direct joints lose light links that whirl at 50 rad/s";
-constexpr const char* drift = "half of a joint's impulse enters the drift";
+constexpr const char* drift = "iterative joints leave a gap at 4 substeps";
 
 /// A method whose misses from `lower` to `upper` are documented.
 struct NamedShortfall {
@@ -49,15 +51,12 @@ struct NamedShortfall {
   std::optional<Precision> precision = {};
 };
 constexpr NamedShortfall named_shortfalls[]{
-    {"gain_", "velocity_verlet", drift, 0, 30},
-    {"gain_", "position_verlet", drift, 0, 30},
-    {"gain_", "rk4", drift, 0, 30},
+    {"gain_prismatic", "velocity_verlet", drift, 0, 0.012},
+    {"gain_prismatic", "position_verlet", drift, 0, 0.012},
+    {"gain_prismatic", "rk4", drift, 0, 0.012},
     {"load_pointer", "tgs_soft", pointer, 1.2, 2.1e6},
-    {"load_pointer", "tgs_soft auto", pointer, 1.2, 2.1e6},
-    {"load_pointer", "tgs_soft measured", pointer_measured, 1.2, 2.1e6},
     {"load_pusher", "tgs_soft", plate, 1.2, 250},
-    {"load_pusher", "tgs_soft auto", plate, 1.2, 250},
-    {"load_pusher", "tgs_soft measured", plate_measured, 1.2, 3.5},
+    {"load_pusher_10_100", "tgs_soft auto", plate_measured, 1.2, 2.7},
     {"floating_bolas_50", "tgs_soft direct", whirl, 0, 16},
     {"pinned_bolas_50", "tgs_soft direct", whirl, 0, 16},
     {"far_", "tgs_soft", coarse, 0, 0.04, Precision::f32},

@@ -28,8 +28,7 @@ std::vector<StressCase> stress_cases() {
 Scene with_method(Scene scene, const StressMethod& method) {
   scene.settings.solver = method.solver;
   scene.settings.integrator = method.integrator;
-  if (method.automatic) scene.settings.auto_substeps.emplace();
-  if (method.is_measured) scene.settings.substep_loads = engine::SubstepLoads::measured;
+  if (method.automatic) engine::choose_substeps(scene.settings);
   if (method.joins_direct) scene.settings.joints = engine::JointSolverKind::direct;
   if (!engine::info_of(engine::solvers, method.solver).substeps) {
     scene.settings.substeps = 1;

@@ -12,7 +12,6 @@ namespace {
 
 using engine::Body;
 using engine::JointKind;
-using engine::Point;
 using engine::Precision;
 using engine::Scene;
 
@@ -113,6 +112,20 @@ Mechanism on_pulley(Precision precision) {
   return out;
 }
 
+// A gear couples the pin of a swinging box with that of a disc.
+Mechanism on_gear(Precision precision) {
+  Mechanism out = on_revolute(precision);
+  out.scene.bodies.push_back(worlds::weighted(worlds::disc(0.5), {4, 0}, 2));
+  out.scene.joints.push_back(worlds::joint(JointKind::revolute, 0, 2, {4, 0}));
+  engine::Joint gear;
+  gear.kind = JointKind::gear;
+  gear.joint_a = 0;
+  gear.joint_b = 1;
+  gear.ratio = 2;
+  out.scene.joints.push_back(gear);
+  return out;
+}
+
 struct Kind {
   JointKind joint;
   const char* what;
@@ -125,6 +138,7 @@ constexpr Kind kinds[]{
     {JointKind::prismatic, "a rod turns between blocks on two sliders", on_prismatic},
     {JointKind::wheel, "a rod slides along two axes", on_wheel},
     {JointKind::pulley, "a weight swings on a pulley against another", on_pulley},
+    {JointKind::gear, "a box on a pin swings from 60 degrees and turns a disc by a gear", on_gear},
 };
 
 std::vector<StressMethod> scheme_methods(bool joins_direct) {

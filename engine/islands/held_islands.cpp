@@ -1,0 +1,141 @@
+// Islands at rest are held: they keep their poses and forces, and are not solved until something disturbs them.
+// SPDX-License-Identifier: MIT
+//
+// A tower at rest needs its many substeps, since fewer would let it sag and lean. Held, it needs none. Bodies that
+// something moves slowly on purpose are never held: springs, motors, conveyors, strong damping.
+#include "engine/islands/islands.h"
+
+namespace ticktrue::engine::TICKTRUE_PRECISION {
+namespace {
+
+constexpr Real calm_least = 1;  // s: an island is held once all its bodies have been calm for so long
+// A calm body moves in one second by at most this share of its allowed error. Rounding alone shakes a tower of 40 in
+// f32 by a fifth of that.
+constexpr Real calm_share = Real(0.2);
+constexpr Real stalled_factor = 10;  // a motor that wants to be so much faster than calm bodies is stalled
+constexpr Real damping_most = 10;    // 1/s: under more, a body that is pushed may be slow for long
+
+bool is_dynamic_row(const Model& model, const State& state, std::uint32_t row) {
+  return type_of(model, state, row) == BodyType::dynamic_body;
+}
+
+bool has_velocity(const BodyRow& body) {
+  return body.velocity.x != 0 || body.velocity.y != 0 || body.angular_velocity != 0;
+}
+
+/// The largest speed of a calm body, m/s.
+Real calm_speed(const Model& model, const BodyModel& body) {
+  return calm_share * static_cast<Real>(model.scene.settings.auto_substeps->target_error) * body.size / calm_least;
+}
+
+bool is_calm(const Model& model, const BodyRow& body) {
+  const BodyModel& constants = model.bodies[body.source];
+  if (!constants.can_sleep || constants.linear_damping > damping_most || constants.angular_damping > damping_most)
+    return false;
+  // An upper bound of the speed of all points of the body.
+  const Real speed = length(body.velocity) + magnitude(body.angular_velocity) * constants.extent;
+  return speed <= calm_speed(model, constants);
+}
+
+/// Calls use(row) for each body of a joint.
+template <typename Use>
+void for_each_row(const Model& model, const State& state, const JointRow& joint, Use use) {
+  for_each_body(model, model.joints[joint.joint], [&](std::uint32_t id) { use(row_of(state, id)); });
+}
+
+/// Whether a joint may move its bodies slowly. A motor of high speed whose bodies are calm has its largest force and
+/// does not move them.
+bool drives_slowly(const Model& model, const State& state, const JointRow& joint) {
+  const JointModel& constants = model.joints[joint.joint];
+  if (joint.body_a == no_reference || constants.spring.exists || constants.linear_spring.exists) return true;
+  if (joint.motor_speed == 0 || !(joint.motor_force_max > 0)) return false;
+  bool is_slow = false;
+  for_each_row(model, state, joint, [&](std::uint32_t row) {
+    if (!is_dynamic_row(model, state, row)) return;
+    const BodyModel& body = model.bodies[state.bodies[row].source];
+    const Real reach = constants.kind == JointKind::prismatic ? Real(1) : body.extent;
+    is_slow |= absolute(joint.motor_speed) * reach <= stalled_factor * calm_speed(model, body);
+  });
+  return is_slow;
+}
+
+bool is_conveyor(const Model& model, const TickLists& tick, const ContactPair& pair) {
+  return model.shapes[tick.proxies[pair.proxy_a].shape].tangent_speed != 0 ||
+         model.shapes[tick.proxies[pair.proxy_b].shape].tangent_speed != 0;
+}
+
+/// Resets the time of bodies that a pointer, a joint, a spring, a conveyor or a moving kinematic body may move.
+void disturb(const Model& model, State& state, const TickLists& tick) {
+  const auto stir = [&](std::uint32_t row) { state.loads[row].calm = 0; };
+  const auto is_moved_by = [&](std::uint32_t row) {
+    return !is_dynamic_row(model, state, row) && has_velocity(state.bodies[row]);
+  };
+  for (const PointerRow& pointer : state.pointers) stir(row_of(state, pointer.body));
+  for (const JointRow& joint : state.joints) {
+    bool stirs = drives_slowly(model, state, joint);
+    for_each_row(model, state, joint, [&](std::uint32_t row) { stirs |= is_moved_by(row); });
+    if (stirs) for_each_row(model, state, joint, stir);
+  }
+  for (const SpringForce& spring : model.springs)
+    for (const std::uint32_t id : {spring.body, spring.other})
+      if (const std::size_t row = state.find_body(id); row < state.bodies.size()) state.loads[row].calm = 0;
+  for (const ContactPair& pair : tick.contact_pairs) {
+    if (!is_moved_by(pair.body_a) && !is_moved_by(pair.body_b) &&
+        !(model.has_surfaces && is_conveyor(model, tick, pair)))
+      continue;
+    stir(pair.body_a);
+    stir(pair.body_b);
+  }
+}
+
+/// Finds the islands, at their first rows, that a body which is not dynamic carries.
+void find_carried(const Model& model, const State& state, TickLists& tick, std::vector<std::uint8_t>& carried) {
+  carried.assign(state.bodies.size(), 0);
+  const auto meet = [&](std::uint32_t a, std::uint32_t b) {
+    if (is_dynamic_row(model, state, a) != is_dynamic_row(model, state, b))
+      carried[find_root(tick.island_parent, is_dynamic_row(model, state, a) ? a : b)] = 1;
+  };
+  for (std::size_t i = 0; i < tick.contact_pairs.size(); ++i) {
+    const ContactRow& contact = state.contacts[i];
+    if (contact.normal_force[0] > 0 || contact.normal_force[1] > 0)
+      meet(tick.contact_pairs[i].body_a, tick.contact_pairs[i].body_b);
+  }
+  for (const JointRow& joint : state.joints)
+    if (joint.body_a != no_reference) meet(row_of(state, joint.body_a), row_of(state, joint.body_b));
+}
+
+}  // namespace
+
+bool holds_islands(const Model& model) {
+  const Settings& settings = model.scene.settings;
+  return settings.substep_loads == SubstepLoads::measured && settings.auto_substeps && !settings.sleep;
+}
+
+void hold_islands(const Model& model, State& state, TickLists& tick, IslandWork& work, Real dt) {
+  const std::size_t count = state.bodies.size();
+  for (std::uint32_t row = 0; row < count; ++row) {
+    Real& calm = state.loads[row].calm;
+    if (!is_dynamic_row(model, state, row) || !is_calm(model, state.bodies[row]))
+      calm = 0;
+    else if (calm < calm_least)
+      calm += dt;
+  }
+  disturb(model, state, tick);
+  find_carried(model, state, tick, work.island_carried);
+  for (std::uint32_t row = 0; row < count; ++row) work.island_awake[row] = work.island_carried[row] != 0 ? 0 : 1;
+  for (std::uint32_t row = 0; row < count; ++row)
+    if (is_dynamic_row(model, state, row) && state.loads[row].calm < calm_least)
+      work.island_awake[find_root(tick.island_parent, row)] = 1;
+  work.all_are_held = true;
+  for (std::uint32_t row = 0; row < count; ++row) {
+    if (!is_dynamic_row(model, state, row)) continue;
+    if (work.island_awake[find_root(tick.island_parent, row)] != 0) {
+      work.all_are_held = false;
+      continue;
+    }
+    state.bodies[row].velocity = {0, 0};
+    state.bodies[row].angular_velocity = 0;
+  }
+}
+
+}  // namespace ticktrue::engine::TICKTRUE_PRECISION
