@@ -205,6 +205,8 @@ TEST_CASE("mechanisms gain no energy, whatever the joint, the integrator and the
     const bool is_direct = begins_with(row.name, "direct_") && row.name != "direct_gain_gear";
     CHECK(row.value < (is_direct ? 1e-3 : row.name == "gain_prismatic" ? 0.012 : 0.01));
     if (is_direct) CHECK(row.value > -1e-3);
+    // Gears that enter the drift by half lose a fortieth of the swing.
+    if (row.name == "gain_gear" || row.name == "direct_gain_gear") CHECK(row.value > -0.005);
     ++count;
   }
   CHECK(count == 2 * 7 * 6);  // joints, integrators
