@@ -75,7 +75,7 @@ void collide_pairs(benchmark::State& bench, const std::string& kind_a, const std
 
 /// `moved`: the share of the bodies that has moved by a hundredth of a metre since the last call.
 void find_pairs(benchmark::State& bench, engine::BroadPhaseKind kind, float moved) {
-  const Scene scene = scene_of("mixed_pile?bodies=" + std::to_string(bench.range(0)));
+  const Scene scene = scene_of("mixed_pile?substeps=4&bodies=" + std::to_string(bench.range(0)));
   const f32::Model model = f32::make_model(scene);
   f32::State state = f32::initial_state(model);
   f32::TickLists found;
@@ -92,7 +92,7 @@ void find_pairs(benchmark::State& bench, engine::BroadPhaseKind kind, float move
 }
 
 void hash_state(benchmark::State& bench) {
-  const Scene scene = scene_of("mixed_pile?bodies=" + std::to_string(bench.range(0)));
+  const Scene scene = scene_of("mixed_pile?substeps=4&bodies=" + std::to_string(bench.range(0)));
   const auto engine = engine::make_engine(scene);
   if (!engine) std::abort();
   for (int tick = 0; tick < 60; ++tick)

@@ -45,7 +45,7 @@ struct Clock {
 };
 
 struct BenchOptions {
-  std::string scene = "mixed_pile?bodies=1000";
+  std::string scene = "mixed_pile?bodies=1000&substeps=4";
   std::uint64_t warmup = 120;      // untimed ticks at the start: a pile has to form
   std::uint64_t tick_count = 400;  // timed
   std::uint64_t block_size = 10;

@@ -19,24 +19,25 @@ const std::array<BuiltinScene, 25> scenes{{
      "the thesis' window: fixed disc, block, floor and walls; a mouse adds circles, boxes, polygons",
      {},
      build_thesis},
-    {"stack", "boxes on top of each other", stack_parameters, build_stack},
-    {"pyramid", "a pyramid of 1 m boxes", pyramid_parameters, build_pyramid},
-    {"large_pyramid", "a pyramid of 5,050 boxes, as benchmarked in Box2D", {}, build_large_pyramid},
+    {"stack", "boxes on top of each other", stack_parameters, build_stack, true},
+    {"pyramid", "a pyramid of 1 m boxes", pyramid_parameters, build_pyramid, true},
+    {"large_pyramid", "a pyramid of 5,050 boxes, as benchmarked in Box2D", {}, build_large_pyramid, true},
     {"many_pyramids", "400 pyramids of 55 boxes, as benchmarked in Box2D", many_pyramids_parameters,
-     build_many_pyramids},
+     build_many_pyramids, true},
     {"circles", "a grid of circles falls into a tub made of circles", circles_parameters, build_circles},
-    {"mixed_pile", "circles, boxes and polygons fall into a container", mixed_pile_parameters, build_mixed_pile},
+    {"mixed_pile", "circles, boxes and polygons fall into a container", mixed_pile_parameters, build_mixed_pile, true},
     {"projectile", "balls in free flight", projectile_parameters, build_projectile},
     {"billiards", "a disc hits fifteen, elastic and without friction", billiards_parameters, build_billiards},
-    {"slide", "a box slides to rest", slide_parameters, build_slide},
-    {"shapes", "every shape falls into a tub made of a chain", shapes_parameters, build_shapes},
+    {"slide", "a box slides to rest", slide_parameters, build_slide, true},
+    {"shapes", "every shape falls into a tub made of a chain", shapes_parameters, build_shapes, true},
     {"sensors", "balls fall through two sensors onto a conveyor; events are told", sensors_parameters, build_sensors},
     {"pendulum", "a disc on a rod of 1 m", pendulum_parameters, build_pendulum},
-    {"chain", "links hang from a peg, or swing down", chain_parameters, build_chain},
+    {"chain", "links hang from a peg, or swing down", chain_parameters, build_chain, true},
     {"bridge", "planks pinned end to end between two pegs", bridge_parameters, build_bridge},
     {"joint_grid", "a net of discs hangs from seven of its own; columns=100 is benchmarked in Box2D",
      joint_grid_parameters, build_joint_grid},
-    {"card_house", "thin cards lean against each other, floor upon floor", card_house_parameters, build_card_house},
+    {"card_house", "thin cards lean against each other, floor upon floor", card_house_parameters, build_card_house,
+     true},
     {"thesis_mix", "circles, boxes and polygons of the thesis fall into its window, widened for more than 150 of them",
      thesis_mix_parameters, build_thesis_mix},
     {"tumbler", "2,025 boxes in a turning drum, as benchmarked in Box2D", tumbler_parameters, build_tumbler},
@@ -130,14 +131,15 @@ Status read_argument(std::string_view text, std::string_view key, std::string_vi
   return usage(text, "unknown parameter: found \"" + std::string(key) + "\", expected " + known);
 }
 
-void apply_settings(const SceneArguments& arguments, Scene& scene) {
+void apply_settings(const SceneArguments& arguments, bool automatic, Scene& scene) {
   Settings& settings = scene.settings;
   if (arguments.precision) settings.precision = *arguments.precision;
   if (arguments.dt) settings.dt = *arguments.dt;
   if (arguments.solver) settings.solver = *arguments.solver;
-  if (!info_of(solvers, settings.solver).substeps) settings.substeps = 1;
+  const bool has_substeps = info_of(solvers, settings.solver).substeps;
+  if (!has_substeps) settings.substeps = 1;
   if (arguments.substeps) settings.substeps = *arguments.substeps;
-  if (arguments.auto_substeps) choose_substeps(settings);
+  if (arguments.auto_substeps || (automatic && has_substeps && !arguments.substeps)) choose_substeps(settings);
   if (arguments.sleep) settings.sleep.reset();
   if (arguments.sleep && *arguments.sleep == 1) settings.sleep.emplace();
   if (arguments.locate_impacts) settings.locate_impacts = *arguments.locate_impacts == 1;
@@ -199,7 +201,7 @@ Result<Scene> make_builtin_scene(std::string_view text) {
 
   Scene scene = builtin->build(arguments);
   scene.name = text;
-  apply_settings(arguments, scene);
+  apply_settings(arguments, builtin->automatic, scene);
   if (Status status = check_scene(scene, std::string(text)); !status) return status.error();
   return scene;
 }

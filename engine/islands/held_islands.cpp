@@ -12,29 +12,28 @@ constexpr Real calm_least = 1;  // s: an island is held once all its bodies have
 // A calm body moves in one second by at most this share of its allowed error. Rounding alone shakes a tower of 40 in
 // f32 by a fifth of that.
 constexpr Real calm_share = Real(0.2);
-constexpr Real stalled_factor = 10;  // a motor that wants to be so much faster than calm bodies is stalled
-constexpr Real damping_most = 10;    // 1/s: under more, a body that is pushed may be slow for long
+constexpr Real calm_fall = Real(1e-3);  // share of its gravity that moves no calm body: what falls faster is not held
+constexpr Real stalled_factor = 10;     // a motor that wants to be so much faster than calm bodies is stalled
+constexpr Real damping_most = 10;       // 1/s: under more, a body that is pushed may be slow for long
 
 bool is_dynamic_row(const Model& model, const State& state, std::uint32_t row) {
   return type_of(model, state, row) == BodyType::dynamic_body;
 }
 
-bool has_velocity(const BodyRow& body) {
-  return body.velocity.x != 0 || body.velocity.y != 0 || body.angular_velocity != 0;
+/// The largest speed of a calm body, m/s. Without gravity a calm body does not move at all.
+Real calm_speed(const Model& model, const State& state, const BodyModel& body) {
+  const Real allowed = static_cast<Real>(model.scene.settings.auto_substeps->target_error) * body.size;
+  const Real gravity = absolute(body.gravity_scale) * length(state.world.gravity);
+  return smaller(calm_share * allowed / calm_least, calm_fall * gravity * calm_least);
 }
 
-/// The largest speed of a calm body, m/s.
-Real calm_speed(const Model& model, const BodyModel& body) {
-  return calm_share * static_cast<Real>(model.scene.settings.auto_substeps->target_error) * body.size / calm_least;
-}
-
-bool is_calm(const Model& model, const BodyRow& body) {
+bool is_calm(const Model& model, const State& state, const BodyRow& body) {
   const BodyModel& constants = model.bodies[body.source];
   if (!constants.can_sleep || constants.linear_damping > damping_most || constants.angular_damping > damping_most)
     return false;
   // An upper bound of the speed of all points of the body.
   const Real speed = length(body.velocity) + magnitude(body.angular_velocity) * constants.extent;
-  return speed <= calm_speed(model, constants);
+  return speed <= calm_speed(model, state, constants);
 }
 
 /// Calls use(row) for each body of a joint.
@@ -54,7 +53,7 @@ bool drives_slowly(const Model& model, const State& state, const JointRow& joint
     if (!is_dynamic_row(model, state, row)) return;
     const BodyModel& body = model.bodies[state.bodies[row].source];
     const Real reach = constants.kind == JointKind::prismatic ? Real(1) : body.extent;
-    is_slow |= absolute(joint.motor_speed) * reach <= stalled_factor * calm_speed(model, body);
+    is_slow |= absolute(joint.motor_speed) * reach <= stalled_factor * calm_speed(model, state, body);
   });
   return is_slow;
 }
@@ -68,7 +67,7 @@ bool is_conveyor(const Model& model, const TickLists& tick, const ContactPair& p
 void disturb(const Model& model, State& state, const TickLists& tick) {
   const auto stir = [&](std::uint32_t row) { state.loads[row].calm = 0; };
   const auto is_moved_by = [&](std::uint32_t row) {
-    return !is_dynamic_row(model, state, row) && has_velocity(state.bodies[row]);
+    return !is_dynamic_row(model, state, row) && is_moving(state.bodies[row]);
   };
   for (const PointerRow& pointer : state.pointers) stir(row_of(state, pointer.body));
   for (const JointRow& joint : state.joints) {
@@ -115,7 +114,7 @@ void hold_islands(const Model& model, State& state, TickLists& tick, IslandWork&
   const std::size_t count = state.bodies.size();
   for (std::uint32_t row = 0; row < count; ++row) {
     Real& calm = state.loads[row].calm;
-    if (!is_dynamic_row(model, state, row) || !is_calm(model, state.bodies[row]))
+    if (!is_dynamic_row(model, state, row) || !is_calm(model, state, state.bodies[row]))
       calm = 0;
     else if (calm < calm_least)
       calm += dt;

@@ -39,10 +39,6 @@ void unite_shared(std::vector<std::uint32_t>& parent, std::uint32_t a, std::uint
   }
 }
 
-bool is_moving(const BodyRow& body) {
-  return body.velocity.x != 0 || body.velocity.y != 0 || body.angular_velocity != 0;
-}
-
 constexpr std::size_t contacts_per_chunk_least = 512;
 
 void unite_by_contacts(TickLists& tick, IslandWork& work) {

@@ -83,6 +83,10 @@ inline BodyType type_of(const Model& model, const State& state, std::uint32_t ro
   return model.bodies[state.bodies[row].source].type;
 }
 
+inline bool is_moving(const BodyRow& body) {
+  return body.velocity.x != 0 || body.velocity.y != 0 || body.angular_velocity != 0;
+}
+
 inline std::uint32_t row_of(const State& state, std::uint32_t id) {
   return static_cast<std::uint32_t>(state.find_body(id));
 }

@@ -243,6 +243,13 @@ inline void fix_substeps(Settings& settings) {
   settings.substep_budget = 0;
 }
 
+/// A fixed number of substeps in place of automatic ones, with joints that are iterative again.
+inline void use_fixed_substeps(Settings& settings, int count) {
+  if (settings.auto_substeps) settings.joints = JointSolverKind::iterative;
+  fix_substeps(settings);
+  settings.substeps = count;
+}
+
 struct Scene {
   std::string name = "scene";
   Settings settings;

@@ -211,10 +211,13 @@ TEST_CASE("what moves slowly on purpose is never held", "[engine][islands][held]
   conveyor.bodies[0].shapes[0].material.tangent_speed = slow;
   CHECK(way_of_last(conveyor) == Approx(10 * slow).epsilon(0.01));
 
-  Scene drifting = measured(empty_scene(Precision::f32));  // nothing carries it
-  drifting.gravity = {0, 0};
+  Scene drifting = measured(empty_scene(Precision::f32));  // a force carries it, and nothing that is immovable
   drifting.bodies = {ground(), unit_box({0, 5})};
   drifting.bodies[1].velocity = {slow, 0};
+  engine::Force lift_up;
+  lift_up.body = 1;
+  lift_up.vector = {0, 10};
+  drifting.forces = {lift_up};
   CHECK(way_of_last(drifting) == Approx(10 * slow).epsilon(0.01));
 
   Scene sinking = measured(empty_scene(Precision::f32));  // through something thick, along a rail
@@ -226,7 +229,7 @@ TEST_CASE("what moves slowly on purpose is never held", "[engine][islands][held]
 
   // A spring pushes it; damping below the limit would let it be held.
   Scene pushed = measured(empty_scene(Precision::f32));
-  pushed.gravity = {0, 0};
+  pushed.gravity = {-10, 0};  // across the rail
   pushed.bodies = {ground(), unit_box({0, 5})};
   pushed.bodies[1].linear_damping = 5;
   pushed.joints = {slider};
@@ -239,13 +242,37 @@ TEST_CASE("what moves slowly on purpose is never held", "[engine][islands][held]
   CHECK(way_of_last(pushed) == Approx(10 * slow).epsilon(0.05));
 
   Scene joint_spring = measured(empty_scene(Precision::f32));
-  joint_spring.gravity = {0, 0};
+  joint_spring.gravity = {-10, 0};
   joint_spring.bodies = {ground(), unit_box({0, 5})};
   joint_spring.bodies[1].linear_damping = 5;
   slider.anchor_a = {0, 16};
   slider.spring = absolute_spring(5 * slow / 10);
   joint_spring.joints = {slider};
   CHECK(way_of_last(joint_spring) == Approx(10 * slow).epsilon(0.05));
+}
+
+TEST_CASE("weak gravity moves a slide, and a pin without gravity goes on turning",
+          "[engine][islands][held][analytic]") {
+  for (const Precision precision : {Precision::f32, Precision::f64}) {
+    constexpr double gravity = 1e-3;  // m/s^2
+    Scene slide = measured(empty_scene(precision));
+    slide.gravity = {gravity, -gravity * 10};
+    slide.bodies = {ground(), unit_box({-5, 0.5})};
+    for (engine::Body& body : slide.bodies) body.shapes[0].material.friction = 0;
+    // From 3 s to 13 s.
+    CHECK(way_of_last(slide) == Approx(0.5 * gravity * (13.0 * 13 - 3 * 3)).epsilon(0.02));
+
+    Scene hinge = measured(empty_scene(precision));  // turns freely about a pin
+    hinge.gravity = {0, 0};
+    hinge.bodies = {ground(), unit_box({1, 5})};
+    hinge.bodies[1].angular_velocity = 2e-4;
+    hinge.bodies[1].velocity = {0, 2e-4};
+    Joint pin = joint_of(JointKind::revolute, 0, 1);
+    pin.anchor_a = {0, 6};
+    pin.anchor_b = {-1, 0};
+    hinge.joints = {pin};
+    CHECK(way_of_last(hinge) == Approx(10 * 2e-4).epsilon(0.05));
+  }
 }
 
 TEST_CASE("a box lands on a held tower, and the tower moves by less than 5 mm and is held again",

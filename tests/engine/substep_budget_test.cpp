@@ -23,6 +23,7 @@ Scene scene_with_budget(const std::string& text, int budget, Precision precision
   Result<Scene> scene = engine::make_builtin_scene(text);
   REQUIRE(scene.has_value());
   scene->settings.precision = precision;
+  engine::use_fixed_substeps(scene->settings, 4);
   scene->settings.auto_substeps.emplace();
   scene->settings.substep_budget = budget;
   return *std::move(scene);

@@ -165,6 +165,13 @@ class Workshop:
         configure = (f"cmake -S '{self.tree}' -B '{self.build_dir}' -G Ninja -DCMAKE_BUILD_TYPE=Release "
                      f"-DCMAKE_CXX_FLAGS_RELEASE=-O2 -DCMAKE_CXX_FLAGS=-Wno-error -DTICKTRUE_BUILD_BENCH=OFF {parts} "
                      f"-DTICKTRUE_SED=OFF {launcher}")
+        if self.options.has_tests:  # what is changed is compiled file by file, all else in units
+            for folder in sorted({pattern.split('/')[0] for pattern in self.options.files}):
+                lists = os.path.join(self.tree, folder, 'CMakeLists.txt')
+                with open(lists) as file:
+                    text = file.read()
+                with open(lists, 'w') as file:
+                    file.write('set(CMAKE_UNITY_BUILD OFF)\n' + text)
         for command in (configure, self.build_command(os.cpu_count())):
             status, output = run(command, 3600)
             if status != 0:
@@ -187,6 +194,10 @@ class Workshop:
             return 'unbuildable', ''
         if digest(self.program()) == self.original:
             return 'same', ''
+        return self.check(check_seed)
+
+    def check(self, check_seed):
+        """killed or survived, and a word on it"""
         command = self.options.check.format(program=self.program(), seed=check_seed, time=self.options.time,
                                             out=os.path.join(self.out, 'check'), root=self.tree, build=self.build_dir,
                                             threads=self.threads())
@@ -314,6 +325,11 @@ class Mutants:
         workshops = [Workshop(options, number) for number in range(options.jobs)]
         for workshop in workshops:
             workshop.prepare()
+        if not done:
+            verdict, how = workshops[0].check(options.seed)
+            if verdict == 'killed':
+                sys.exit(f'mutants: error: the check fails without any mutant: {how}')
+            print(f'without a mutant: {verdict} {how}', flush=True)
         if options.patches:
             options.count = len(options.patches)
             mutants = patches_of(options.patches, options.seed)
@@ -344,7 +360,7 @@ def main():
                         help='mutants that cannot change a bit, each with its reason: they are counted apart, not judged ("" for none)')
     parser.add_argument('--seed', type=int, default=1)
     parser.add_argument('--count', type=int, default=100, help='mutants that build into another program')
-    parser.add_argument('--target', help='what is built (default: ticktrue, and the tests where they are the check)')
+    parser.add_argument('--target', help='what is built before the check (default: ticktrue, and ticktrue_tests where they are the check)')
     parser.add_argument('--check', help='a shell command instead of that of the set; {program}, {seed}, {time}, {threads}, '
                         '{out}, {root}, {build} are filled in')
     parser.add_argument('--word', help='a line of the output with this is kept as the reason')
@@ -360,7 +376,7 @@ def main():
     options.check = options.check or chosen.check
     options.word = options.word or chosen.word
     options.grace = options.grace or chosen.grace
-    options.target = options.target or ('all' if chosen.has_tests else 'ticktrue')
+    options.target = options.target or ('ticktrue ticktrue_tests' if chosen.has_tests else 'ticktrue')
     options.out = os.path.abspath(options.out)
     options.root = os.path.abspath(options.root)
     return Mutants(options).run_all()

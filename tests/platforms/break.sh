@@ -62,8 +62,8 @@ find_place() {
 # An unbroken build makes the recordings.
 cmake --preset gcc >"$out/gcc.log" 2>&1 && cmake --build build/gcc -j "$jobs" --target ticktrue >>"$out/gcc.log" 2>&1 ||
   fail "gcc: does not build: see $out/gcc.log"
-build/gcc/run ticktrue record 'stack?boxes=3&precision=f32' --ticks 60 --detail full --no-compress -o "$out/a_stack.ttr" >/dev/null &&
-  build/gcc/run ticktrue record 'mixed_pile?bodies=60&precision=f32' --ticks 100 --detail full --no-compress \
+build/gcc/run ticktrue record 'stack?boxes=3&precision=f32&substeps=4' --ticks 60 --detail full --no-compress -o "$out/a_stack.ttr" >/dev/null &&
+  build/gcc/run ticktrue record 'mixed_pile?bodies=60&precision=f32&substeps=4' --ticks 100 --detail full --no-compress \
     -o "$out/b_pile.ttr" >/dev/null &&
   build/gcc/run ticktrue record tests/platforms/drift.json --ticks 120 --detail full --no-compress -o "$out/c_drift.ttr" \
     >/dev/null || fail "cannot record"

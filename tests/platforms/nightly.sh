@@ -72,7 +72,7 @@ make_traces() {
   done
   while read -r scene bodies ticks; do
     ticks=$(divided "$ticks")
-    record_trace "crowd_${scene}_${bodies}_$ticks" "$scene?bodies=$bodies" --ticks "$ticks" || failed=1
+    record_trace "crowd_${scene}_${bodies}_$ticks" "$scene?bodies=$bodies&substeps=4" --ticks "$ticks" || failed=1
     echo "crowd_${scene}_${bodies}_$ticks.ttr" >>"$out/list"
   done <<CROWDS
 $crowds

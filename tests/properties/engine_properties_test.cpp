@@ -237,8 +237,9 @@ TEST_CASE("the sessions use every table, and leave none of them empty", "[proper
       }
     }
   }
-  CHECK(seen == std::set<std::string>{"accelerations", "bodies", "contacts", "events", "gears", "integrator", "joints",
-                                      "pointers", "sensors", "sleep", "substeps", "touching", "world"});
+  CHECK(seen == std::set<std::string>{"accelerations", "bodies", "budget", "contacts", "events", "gears", "integrator",
+                                      "joints", "loads", "pointers", "sensors", "sleep", "substeps", "touching",
+                                      "world"});
   CHECK(asleep > 1000);
   CHECK(woken > 5);
   CHECK(substeps.size() >= 4);

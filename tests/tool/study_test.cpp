@@ -487,6 +487,7 @@ TEST_CASE("a key of the scene is varied, and its effect is the law's", "[verifie
 TEST_CASE("a key that a scene cannot have is refused with its name", "[verifier][study]") {
   const auto scene = engine::make_builtin_scene("slide");
   REQUIRE(scene);
+  REQUIRE(scene->settings.auto_substeps);  // and what only automatic substeps have is left out with them
   const auto refusal = [&](const std::string& key, const std::string& value) {
     const auto changed = scene_with(*scene, key, value, "--vary x");
     return changed ? std::string() : changed.error().message;

@@ -36,7 +36,7 @@ void probe_functions(ByteWriter& out) {
 /// What bodies of a lively scene are seen to do: not the columns of its state, so that a new column changes nothing
 /// here.
 void probe_scene(const std::string& precision, ByteWriter& out) {
-  const auto scene = engine::make_builtin_scene("mixed_pile?bodies=9&precision=" + precision);
+  const auto scene = engine::make_builtin_scene("mixed_pile?bodies=9&substeps=4&precision=" + precision);
   TICKTRUE_ASSERT(scene.has_value());
   const auto made = engine::make_engine(*scene);
   TICKTRUE_ASSERT(made.has_value());

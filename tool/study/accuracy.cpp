@@ -36,7 +36,7 @@ engine::Scene scene_of(const Problem& problem, const Method& method, const Setti
   settings.solver = method.solver;
   settings.integrator = method.integrator;
   settings.dt = setting.dt;
-  settings.substeps = setting.substeps;
+  engine::use_fixed_substeps(settings, setting.substeps);
   if (method.automatic) {
     engine::choose_substeps(settings);
     settings.auto_substeps->target_error = setting.target;

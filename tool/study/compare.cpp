@@ -205,10 +205,7 @@ Scene scene_of(const CompareSession& session, const Variant& variant) {
   engine::Settings& settings = scene.settings;
   if (variant.solver) scene = scene_with_solver(scene, *variant.solver);
   if (variant.integrator) settings.integrator = *variant.integrator;
-  if (variant.substeps && *variant.substeps > 0) {
-    engine::fix_substeps(settings);
-    settings.substeps = *variant.substeps;
-  }
+  if (variant.substeps && *variant.substeps > 0) engine::use_fixed_substeps(settings, *variant.substeps);
   if (variant.substeps && *variant.substeps == 0 && !settings.auto_substeps) engine::choose_substeps(settings);
   if (variant.precision) settings.precision = *variant.precision;
   if (variant.dt) settings.dt = *variant.dt;

@@ -96,7 +96,7 @@ TEST_CASE("a tick without any one of the cached structures gives the same bits",
 }
 
 TEST_CASE("a forgotten structure is made anew, and is hit again in the tick after", "[engine][caches]") {
-  const Session session{"pyramid", *engine::make_builtin_scene("pyramid?base=6"), {}};
+  const Session session{"pyramid", *engine::make_builtin_scene("pyramid?base=6&substeps=4"), {}};
   const auto engine = make_engine_or_fail(session.scene);
   run_ticks(*engine, 120);
   for (const engine::CacheKind kind :

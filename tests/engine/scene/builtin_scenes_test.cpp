@@ -283,27 +283,46 @@ TEST_CASE("a seed gives the same world every time, another seed another world",
   CHECK(made("stack?jitter=0.1&seed=3").bodies[4].position.x != made("stack?jitter=0.1&seed=4").bodies[4].position.x);
 }
 
+TEST_CASE("automatic substeps are the default where a scene says so, and a number of substeps replaces them",
+          "[engine][builtin_scenes]") {
+  for (const BuiltinScene& builtin : builtin_scenes()) {
+    const std::string name(builtin.name);
+    CAPTURE(name);
+    const Settings chosen = made(name).settings;
+    CHECK(chosen.auto_substeps.has_value() == builtin.automatic);
+    if (builtin.automatic) CHECK(made(name + "?substeps=auto").settings == chosen);
+    const Settings fixed = made(name + "?substeps=4").settings;
+    CHECK(fixed.substeps == 4);
+    CHECK_FALSE(fixed.auto_substeps.has_value());
+    CHECK(fixed.joints == JointSolverKind::iterative);
+    CHECK(fixed.substep_budget == 0);
+    const auto without = make_builtin_scene(name + "?solver=pgs");
+    if (without.has_value()) CHECK(without->settings.substeps == 1);
+    if (without.has_value()) CHECK_FALSE(without->settings.auto_substeps.has_value());
+  }
+}
+
 TEST_CASE("built-in scenes have the pinned bits that every platform must build", "[engine][builtin_scenes][golden]") {
   std::string got;
   for (const BuiltinScene& builtin : builtin_scenes())
     got += std::string(builtin.name) + " " + hex64(hash64(encode_scene(made(std::string(builtin.name))))) + "\n";
   CHECK(got == R"(thesis cd76ec308f0d9557
-stack 1509262615b1b315
-pyramid 055d4763cd84e858
-large_pyramid a75e476eceba4642
-many_pyramids 7067a82e08589ea1
+stack 688d833f3b481fe6
+pyramid fbe5c1d4629366ae
+large_pyramid d470b91902ae7a34
+many_pyramids 12ab8fcaa4c40ff3
 circles a445f464d7fd4930
-mixed_pile 2b05468cddd3ee1e
+mixed_pile 0f9d34b62c288260
 projectile d996cab508eb6dae
 billiards c74d09265d66e7c0
-slide 39d45dc486b2daa7
-shapes 1a1c33c40b8f08da
+slide ab0304e29ef25745
+shapes 8546d4004f65b5de
 sensors 2b92213d9b92e56b
 pendulum 9e37ec9ebf7d4bcf
-chain 9f47bcf7b150b1e7
+chain 09d6f586fc089685
 bridge 5e72f18e37b14844
 joint_grid 7ea07c04b37d811d
-card_house 1f8aac25520c0712
+card_house 95e3605bc6d6711c
 thesis_mix 213bcd66bc7064fa
 tumbler b67c377d635fc6dc
 smash 09fe9583ac4a69ad

@@ -10,8 +10,8 @@ namespace ticktrue::fuzz {
 /// Texts for make_builtin_scene. The first byte of a state or inputs input chooses one; only append, since stored
 /// inputs count on the places.
 inline constexpr std::array<std::string_view, 8> worlds{
-    "stack?boxes=3",
-    "shapes?bodies=6&precision=f64",
+    "stack?boxes=3&substeps=4",
+    "shapes?bodies=6&precision=f64&substeps=4",
     "sensors?bodies=4&sleep=1",
     "bridge?planks=4&substeps=auto",
     "thesis",

@@ -114,7 +114,7 @@ void add_recover(CLI::App& app, CliContext& context) {
   command->add_flag("--json", options->json, "One JSON object");
   set_examples(*command,
                "ticktrue record 'stack?boxes=10' --ticks 600 -o stack.ttr\n"
-               "head -c 4000 stack.ttr > cut.ttr\n"
+               "head -c 9000 stack.ttr > cut.ttr\n"
                "ticktrue recover cut.ttr -o saved.ttr && ticktrue verify saved.ttr");
   command->callback([options, &context] { context.exit_code = run_recover(*options); });
 }

@@ -555,7 +555,7 @@ void add_verify(CLI::App& app, CliContext& context) {
                "ticktrue verify . --shard 1/2 --junit results.xml --github\n"
                "ticktrue verify stack.ttr --against-build ticktrue\n"
                "ticktrue verify stack.ttr --report failure.html\n"
-               "head -c 4000 stack.ttr > cut.ttr; ticktrue verify cut.ttr --allow-truncated\n"
+               "head -c 9000 stack.ttr > cut.ttr; ticktrue verify cut.ttr --allow-truncated\n"
                "git bisect run sh -c './dev build && build/release/ticktrue verify traces --git-bisect'",
                "For a program with a session:\n"
                "  ticktrue verify session_1.ttr session_2.ttr --command './mygame --verify {}'\n"

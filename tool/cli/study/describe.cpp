@@ -30,7 +30,8 @@ struct ChoiceText {
   std::string allowed;
 };
 
-std::vector<ChoiceText> choices_of(const engine::Settings& settings) {
+std::vector<ChoiceText> choices_of(const engine::Scene& scene) {
+  const engine::Settings& settings = scene.settings;
   std::vector<ChoiceText> choices;
   const auto add = [&](std::string_view key, const auto& table, auto kind) {
     const auto& info = engine::info_of(table, kind);
@@ -40,6 +41,9 @@ std::vector<ChoiceText> choices_of(const engine::Settings& settings) {
   engine::visit_fields(
       [&](const engine::FieldInfo& field, auto value, auto default_value) {
         if (field.since > 0 && value == default_value) return;  // as in JSON
+        if constexpr (std::is_same_v<decltype(value), engine::JointSolverKind>) {
+          if (scene.joints.empty()) return;
+        }
         if constexpr (std::is_enum_v<decltype(value)>) add(field.name, engine::Tables::of(value), value);
       },
       settings, unset);
@@ -72,7 +76,7 @@ void print_text(const engine::Engine& engine, const DescribeOptions& options) {
     print(
         fmt::format("  a tick costs at most about as much as with {} fixed substeps\n", scene.settings.substep_budget));
   print("choices\n");
-  for (const ChoiceText& choice : choices_of(scene.settings)) {
+  for (const ChoiceText& choice : choices_of(scene)) {
     print(fmt::format("  {:<16} {:<20} {}\n", choice.key, choice.value, choice.summary));
     if (options.full) print(fmt::format("  {:<16} {}\n", "", "of " + choice.allowed));
   }
@@ -115,7 +119,7 @@ void print_object(const engine::Engine& engine) {
   for (const engine::InputKind kind : scene.inputs)
     object["inputs"].push_back(engine::input_kinds[static_cast<std::size_t>(kind)].name);
   object["choices"] = Json::object();
-  for (const ChoiceText& choice : choices_of(scene.settings)) object["choices"][std::string(choice.key)] = choice.value;
+  for (const ChoiceText& choice : choices_of(scene)) object["choices"][std::string(choice.key)] = choice.value;
   object["notes"] = verifier::scene_notes(scene);
   object["stages"] = Json::array();
   for (const engine::StageDescription& stage : engine.describe())

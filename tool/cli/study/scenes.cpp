@@ -32,11 +32,18 @@ std::string number_text(double value) {
 }
 
 void print_scene_text(const engine::BuiltinScene& scene) {
-  print(fmt::format("{:<16} {}\n", scene.name, scene.summary));
+  print(fmt::format("{:<16} {}{}\n", scene.name, scene.summary, scene.automatic ? "; substeps=auto" : ""));
   for (const engine::SceneParameter& parameter : scene.parameters)
     print(fmt::format("  {:<14} {:<8} {} ({}{} .. {})\n", parameter.name, number_text(parameter.value),
                       parameter.summary, parameter.whole ? "whole, " : "", number_text(parameter.min),
                       number_text(parameter.max)));
+}
+
+/// As in a scene file.
+Json default_substeps(const engine::BuiltinScene& scene) {
+  if (scene.automatic) return "auto";
+  const auto made = engine::make_builtin_scene(scene.name);
+  return made ? Json(made->settings.substeps) : Json();
 }
 
 Json scene_json(const engine::BuiltinScene& scene) {
@@ -48,7 +55,10 @@ Json scene_json(const engine::BuiltinScene& scene) {
                           {"max", parameter.max},
                           {"whole", parameter.whole},
                           {"summary", parameter.summary}});
-  return {{"name", scene.name}, {"summary", scene.summary}, {"parameters", std::move(parameters)}};
+  return {{"name", scene.name},
+          {"summary", scene.summary},
+          {"substeps", default_substeps(scene)},
+          {"parameters", std::move(parameters)}};
 }
 
 // ---- Random worlds ----

@@ -16,9 +16,9 @@ struct CountedScene {
 // Scenes with bodies that rest within their margins, contacts for more than two blocks of islands, and enough joints
 // for a wavefront sweep.
 constexpr CountedScene counted_scenes[] = {
-    {"pyramid?base=24", 90},
-    {"mixed_pile?bodies=150", 150},
-    {"many_pyramids?rows=6&columns=8", 12},
+    {"pyramid?base=24&substeps=4", 90},
+    {"mixed_pile?bodies=150&substeps=4", 150},
+    {"many_pyramids?rows=6&columns=8&substeps=4", 12},
     {"joint_grid?columns=30", 20},
 };
 

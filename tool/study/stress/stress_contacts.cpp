@@ -101,7 +101,7 @@ void add_structures(std::vector<StressCase>& cases) {
       contact_case("card_house", "forty cards of 2 mm by 0.4 m, 20 s: height of the top card", "m", 1.60, 1.70,
                    "1.64, stands (Box2D HEAD); AVBD with 10 iterations: falls", "section 6 case 12");
   house.run = [](const StressMethod& method, Precision precision) {
-    auto scene = engine::make_builtin_scene("card_house");
+    auto scene = engine::make_builtin_scene("card_house?substeps=4");
     if (!scene) return StressValue{0, true, scene.error().message};
     scene->settings.precision = precision;
     return run_case(with_method(*scene, method), 20, {},
@@ -111,7 +111,7 @@ void add_structures(std::vector<StressCase>& cases) {
   StressCase pyramid = contact_case("pyramid_rest", "210 boxes at rest, the last 9 of 10 s: largest way of one", "m", 0,
                                     1e-3, "1.2 mm without sleep", "Box2D HEAD, problem 26");
   pyramid.run = [](const StressMethod& method, Precision precision) {
-    auto scene = engine::make_builtin_scene("pyramid?base=20");
+    auto scene = engine::make_builtin_scene("pyramid?base=20&substeps=4");
     if (!scene) return StressValue{0, true, scene.error().message};
     scene->settings.precision = precision;
     Bodies settled;

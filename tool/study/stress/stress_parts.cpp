@@ -28,13 +28,13 @@ std::vector<StressCase> stress_cases() {
 Scene with_method(Scene scene, const StressMethod& method) {
   scene.settings.solver = method.solver;
   scene.settings.integrator = method.integrator;
-  if (method.automatic) engine::choose_substeps(scene.settings);
+  const bool has_substeps = engine::info_of(engine::solvers, method.solver).substeps;
+  if (method.automatic)
+    engine::choose_substeps(scene.settings);
+  else if (scene.settings.auto_substeps || !has_substeps)
+    engine::use_fixed_substeps(scene.settings, has_substeps ? engine::Settings{}.substeps : 1);
   if (method.joins_direct) scene.settings.joints = engine::JointSolverKind::direct;
-  if (!engine::info_of(engine::solvers, method.solver).substeps) {
-    scene.settings.substeps = 1;
-    engine::fix_substeps(scene.settings);
-    scene.settings.locate_impacts = false;
-  }
+  if (!has_substeps) scene.settings.locate_impacts = false;
   return scene;
 }
 

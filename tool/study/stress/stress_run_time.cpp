@@ -34,7 +34,7 @@ void add_boxes(Scene& scene, int columns, int rows) {
 }
 
 Result<Scene> pile() {
-  return engine::make_builtin_scene("mixed_pile?bodies=40");
+  return engine::make_builtin_scene("mixed_pile?bodies=40&substeps=4");
 }
 
 Result<Scene> discs() {
@@ -64,7 +64,7 @@ Result<Scene> piston() {
 }
 
 Result<Scene> card_house() {
-  return engine::make_builtin_scene("card_house");
+  return engine::make_builtin_scene("card_house?substeps=4");
 }
 
 Result<Scene> dominoes() {
@@ -82,19 +82,19 @@ Result<Scene> figures() {
 }
 
 Result<Scene> stack_10() {
-  return engine::make_builtin_scene("stack?boxes=10");
+  return engine::make_builtin_scene("stack?boxes=10&substeps=4");
 }
 
 Result<Scene> stack_40() {
-  return engine::make_builtin_scene("stack?boxes=40");
+  return engine::make_builtin_scene("stack?boxes=40&substeps=4");
 }
 
 Result<Scene> pyramid() {
-  return engine::make_builtin_scene("pyramid");
+  return engine::make_builtin_scene("pyramid?substeps=4");
 }
 
 Result<Scene> chain() {
-  return engine::make_builtin_scene("chain");
+  return engine::make_builtin_scene("chain?substeps=4");
 }
 
 // The smallest width of any moving shape, m.
