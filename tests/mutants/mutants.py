@@ -157,14 +157,15 @@ class Workshop:
         os.makedirs(self.tree)
         root = self.options.root
         subprocess.check_call(f"cd '{root}' && git ls-files -z | xargs -0 cp --parents -t '{self.tree}'", shell=True)
-        # without sed, a build has no digest of its sources: a mutant with equal code then gives an equal program
+        # Without sed, a build has no digest of its sources: a mutant with equal code then gives an equal program. Tests
+        # of stored verdicts need the digest.
         launcher = '-DCMAKE_CXX_COMPILER_LAUNCHER=ccache' if shutil.which('ccache') else ''
         # with tests, a header is in nearly every source: fewer units are quicker
         units = '-DTICKTRUE_UNITY=ON -DCMAKE_UNITY_BUILD_BATCH_SIZE=8 -DTICKTRUE_BUILD_TESTS=ON'
         parts = units if self.options.has_tests else '-DTICKTRUE_UNITY=OFF -DTICKTRUE_BUILD_TESTS=OFF'
         configure = (f"cmake -S '{self.tree}' -B '{self.build_dir}' -G Ninja -DCMAKE_BUILD_TYPE=Release "
                      f"-DCMAKE_CXX_FLAGS_RELEASE=-O2 -DCMAKE_CXX_FLAGS=-Wno-error -DTICKTRUE_BUILD_BENCH=OFF {parts} "
-                     f"-DTICKTRUE_SED=OFF {launcher}")
+                     f"{'' if self.options.has_tests else '-DTICKTRUE_SED=OFF'} {launcher}")
         if self.options.has_tests:  # what is changed is compiled file by file, all else in units
             for folder in sorted({pattern.split('/')[0] for pattern in self.options.files}):
                 lists = os.path.join(self.tree, folder, 'CMakeLists.txt')

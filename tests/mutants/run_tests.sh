@@ -24,7 +24,7 @@ test_group '[capi]~[.slow]'
 test_group '[verifier]~[.slow]'
 test_group '[replay]~[.slow],[base]~[.slow],[portable]~[.slow]'
 cmake --build "$build" >/dev/null 2>&1 || fail 'the build of all'
-test_group '[cli]~[.slow]'
+test_group '[cli]~[printed]~[.slow]'  # documents print the sizes of files of a release build
 test_group '[worlds]~[.slow],[properties]~[.slow]'
 test_group '[engine]~[properties]~[.]'
 for names in 'damage|forged|examples' 'play|reduce|trail|unsaved|causes|page|program_corpus|campaign_restore|reduce_again|udp_match'; do

@@ -285,7 +285,7 @@ def check_paper(browser):
 
 
 def use_matching_page(browser, bench):
-    bench.call('record', 'pyramid?base=6', '--ticks', '300', '--checkpoint-interval', '100', '-o', 'match.ttr')
+    bench.call('record', 'pyramid?base=6&substeps=4', '--ticks', '300', '--checkpoint-interval', '100', '-o', 'match.ttr')
     browser.open(bench.page('match'))
     report = bench.verified('match')
     check(browser.run('return ticktrue.data.verify') == report, 'match: the JSON in the page is not that of verify')
