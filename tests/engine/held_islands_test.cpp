@@ -74,16 +74,6 @@ Input input_to(InputKind kind, std::uint32_t body, double x, double y) {
   return input;
 }
 
-std::uint64_t saved_work(const Engine& engine) {
-  const StateView& view = engine.state();
-  const auto table = view.schema->find_table("budget");
-  REQUIRE(table.has_value());
-  std::uint64_t work = 0;
-  for (const Column& column : view.schema->tables[*table].columns)
-    if (column.name == "saved_work") std::memcpy(&work, view.tables[*table].data + column.offset, sizeof work);
-  return work;
-}
-
 // The way of the last body of a scene in the ten seconds after the first three, m.
 double way_of_last(const Scene& scene) {
   const auto engine = make_engine_or_fail(scene);

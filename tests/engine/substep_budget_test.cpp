@@ -156,3 +156,32 @@ TEST_CASE("shocks that a small budget cuts are counted, and no threads or loads 
     CHECK(report_of(*engine).cut_ticks < 150);
   }
 }
+
+TEST_CASE("a substep costs what was measured for bodies, contacts and joints", "[engine][islands][budget]") {
+  // Two boxes on the ground, joined: two bodies, two contacts that are solved three times, one joint (decision 0031).
+  struct Case {
+    const char* joints;
+    const char* more;    // of the joint
+    std::uint64_t work;  // of a substep
+  };
+  for (const Case& each : {Case{"iterative", "", 2 + 2 * 3 + 4}, Case{"direct", "", 2 + 2 * (2 * 3) + 20},
+                           Case{"direct", R"(, "motor": {"speed": 0, "force_max": 1})", 2 + 2 * (2 * 3) + 80},
+                           Case{"direct", R"(, "limits": [-1, 1])", 2 + 2 * (2 * 3) + 80}}) {
+    CAPTURE(each.joints, each.more);
+    const auto scene = engine::parse_scene(
+        std::string(R"({"settings": {"substeps": "auto", "substep_budget": 1000, "joints": ")") + each.joints + R"("},
+            "bodies": [{"type": "static", "position": [0, -1], "shapes": [{"type": "box", "half_size": [9, 1]}]},
+                       {"name": "a", "position": [-0.6, 0.5], "shapes": [{"type": "box", "half_size": [0.5, 0.5]}]},
+                       {"name": "b", "position": [0.6, 0.5], "shapes": [{"type": "box", "half_size": [0.5, 0.5]}]}],
+            "joints": [{"type": "revolute", "body_a": "a", "body_b": "b", "anchor": [0, 0.5])" +
+            each.more + "}]}",
+        "scene");
+    if (!scene) FAIL(scene.error().message);
+    const auto engine = make_engine_or_fail(*scene);
+    run_ticks(*engine, 1);
+    constexpr std::uint64_t least_of_a_scene = 352;
+    const std::uint64_t substeps = most_in(*engine, "substeps", "count");
+    CHECK(substeps >= 4);
+    CHECK(saved_work(*engine) == 1000 * least_of_a_scene - substeps * each.work);
+  }
+}

@@ -470,4 +470,14 @@ void run_ticks(engine::Engine& engine, int tick_count) {
   for (int i = 0; i < tick_count; ++i) REQUIRE(engine.step(input, nullptr));
 }
 
+std::uint64_t saved_work(const engine::Engine& engine) {
+  const StateView& view = engine.state();
+  const auto table = view.schema->find_table("budget");
+  REQUIRE(table.has_value());
+  std::uint64_t work = 0;
+  for (const Column& column : view.schema->tables[*table].columns)
+    if (column.name == "saved_work") std::memcpy(&work, view.tables[*table].data + column.offset, sizeof work);
+  return work;
+}
+
 }  // namespace ticktrue::test

@@ -47,4 +47,7 @@ Bytes image_of(const Simulation& simulation);
 /// Runs ticks of the scene's length without inputs.
 void run_ticks(engine::Engine& engine, int tick_count);
 
+/// The column saved_work of the table `budget`. Requires: the scene has a budget.
+std::uint64_t saved_work(const engine::Engine& engine);
+
 }  // namespace ticktrue::test
