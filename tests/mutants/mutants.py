@@ -44,6 +44,12 @@ verifier/verify/*.cpp verifier/verify/*.h verifier/locate/*.cpp verifier/locate/
 verifier/report/exit_codes.h
 """.split()
 
+# Files whose results are physics.
+PHYSICS_FILES = """
+engine/solvers/*.cpp engine/solvers/*.h engine/joints/**/*.cpp engine/joints/**/*.h engine/integrators/*.cpp
+engine/integrators/*.h
+""".split()
+
 ALL_FILES = """
 replay/**/*.cpp replay/**/*.h verifier/**/*.cpp verifier/**/*.h engine/**/*.cpp engine/**/*.h
 """.split()
@@ -51,13 +57,16 @@ replay/**/*.cpp replay/**/*.h verifier/**/*.cpp verifier/**/*.h engine/**/*.cpp 
 SOAK = ("'{program}' soak --worlds 1000000 --seed {seed} --time {time} --failures 1 -j {threads} "
         "--hashes '{root}/tests/worlds/hashes.tsv' --cache-counts '{root}/tests/worlds/cache_counts.tsv' --out '{out}'")
 # Quick tests first, because the first failure ends the check.
+# No golden trace: studies alone.
+STUDIES = "'{root}/tests/mutants/run_studies.sh' '{program}' {time}"
 TESTS = "'{root}/tests/mutants/run_tests.sh' '{build}' {time}"
 
-Set = collections.namedtuple('Set', 'files has_tests check word grace')
+Set = collections.namedtuple('Set', 'files has_tests check word grace has_effect')
 SETS = {
-    'caches': Set(CACHE_FILES, False, SOAK, 'found', 120),
-    'verdicts': Set(VERDICT_FILES, True, TESTS, 'failed:', 3000),
-    'all': Set(ALL_FILES, True, TESTS, 'failed:', 3000),
+    'caches': Set(CACHE_FILES, False, SOAK, 'found', 120, False),
+    'verdicts': Set(VERDICT_FILES, True, TESTS, 'failed:', 3000, False),
+    'all': Set(ALL_FILES, True, TESTS, 'failed:', 3000, False),
+    'physics': Set(PHYSICS_FILES, False, STUDIES, 'failed:', 3000, True),
 }
 
 REPLACEMENTS = {
@@ -178,6 +187,11 @@ class Workshop:
             if status != 0:
                 sys.exit(f'mutants: error: {command}: exit {status}\n{output[-2000:]}')
         self.original = digest(self.program())
+        if self.options.has_effect:
+            status, output = run(f"python3 '{self.tree}/tests/mutants/observables.py' '{self.program()}' "
+                                 f"> '{self.out}/observables.tsv'", 600)
+            if status != 0:
+                sys.exit(f'mutants: error: observables.py: exit {status}\n{output[-2000:]}')
 
     def threads(self):
         return max(1, os.cpu_count() // self.options.jobs)
@@ -189,12 +203,18 @@ class Workshop:
         return os.path.join(self.build_dir, 'ticktrue')
 
     def judge(self, check_seed):
-        """killed, survived, same (the program has the same bytes) or unbuildable, and a word on it"""
+        """killed, survived, same (the program has the same bytes), no_effect (no observable moves by 1 %) or unbuildable,
+        and a word on it"""
         status, output = run(self.build_command(self.threads()), 1200)
         if status != 0:
             return 'unbuildable', ''
         if digest(self.program()) == self.original:
             return 'same', ''
+        if self.options.has_effect:
+            status, output = run(f"python3 '{self.tree}/tests/mutants/observables.py' '{self.program()}' "
+                                 f"'{self.out}/observables.tsv'", 600)
+            if status == 0:
+                return 'no_effect', ''
         return self.check(check_seed)
 
     def check(self, check_seed):
@@ -267,7 +287,7 @@ class Mutants:
         self.options = options
         self.results = os.path.join(options.out, 'results.tsv')
         self.lock = threading.Lock()
-        self.counts = {'killed': 0, 'survived': 0, 'same': 0, 'unbuildable': 0, 'equivalent': 0}
+        self.counts = {'killed': 0, 'survived': 0, 'same': 0, 'unbuildable': 0, 'equivalent': 0, 'no_effect': 0}
         self.under_way = 0
         self.deadline = time.monotonic() + options.limit if options.limit else None
 
@@ -344,7 +364,8 @@ class Mutants:
         if judged < options.count:
             print('mutants: out of time: continue with --resume', file=sys.stderr)
         print(f"{judged} mutants: {counts['killed']} killed, {counts['survived']} survived; besides {counts['same']} with "
-              f"the same program, {counts['unbuildable']} that did not build, {counts['equivalent']} that cannot change a bit; "
+              f"the same program, {counts['unbuildable']} that did not build, {counts['equivalent']} that cannot change a bit"
+              f"{', %d that move no observable' % counts['no_effect'] if options.has_effect else ''}; "
               f"{self.results}")
         return 0 if counts['survived'] == 0 else 1
 
@@ -354,7 +375,8 @@ def main():
     parser.add_argument('--root', default='.', help='the source tree')
     parser.add_argument('--out', default='out/mutants', help='where the copy is built and results are written')
     parser.add_argument('--set', choices=SETS, default='caches', help='what is changed, and the check that should notice: '
-                        'files that cache or batch are soaked, all others tested')
+                        'files that cache or batch are soaked, solvers, joints and integrators studied (if an observable moves by '
+                        '1 %%: observables.py), all others tested')
     parser.add_argument('--files', nargs='*', help='files to change (default: those of the set)')
     parser.add_argument('--patches', nargs='*', help='faults planted by hand, as patches, instead of mutants')
     parser.add_argument('--equivalent', default=os.path.join(os.path.dirname(__file__), 'equivalent.tsv'),
@@ -373,6 +395,7 @@ def main():
     options = parser.parse_args()
     chosen = SETS[options.set]
     options.has_tests = chosen.has_tests
+    options.has_effect = chosen.has_effect
     options.files = options.files or chosen.files
     options.check = options.check or chosen.check
     options.word = options.word or chosen.word

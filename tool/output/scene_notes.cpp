@@ -70,9 +70,10 @@ void add_f32_note(const Scene& scene, std::vector<std::string>& notes) {
 
 }  // namespace
 
-std::string budget_text(const engine::BudgetReport& report, std::uint64_t tick_count) {
+std::string budget_text(const std::optional<engine::BudgetReport>& report, std::uint64_t tick_count) {
+  if (!report || (report->cut_ticks == 0 && report->limited_ticks == 0)) return {};
   return fmt::format("of {} ticks, {} left a shock unsettled and {} had fewer substeps than wanted", tick_count,
-                     report.cut_ticks, report.limited_ticks);
+                     report->cut_ticks, report->limited_ticks);
 }
 
 Status check_f32_reach(const Scene& scene, const std::string& source) {

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -22,8 +23,8 @@ inline constexpr double f32_extent_refused = 0x1p20;
 /// positions too far from the origin for f32. Requires: a valid scene.
 std::vector<std::string> scene_notes(const engine::Scene& scene);
 
-/// A line on the ticks of a run that the substep budget has changed.
-std::string budget_text(const engine::BudgetReport& report, std::uint64_t tick_count);
+/// A line on the ticks of a run that the substep budget has changed; empty if it has changed none, or there is none.
+std::string budget_text(const std::optional<engine::BudgetReport>& report, std::uint64_t tick_count);
 
 /// For scenes that are loaded from a file or by name; the scene of a trace runs as it was recorded. `source` begins the
 /// message. Requires: a valid scene. Errors: incompatible (f32, and a moving body farther out than f32_extent_refused

@@ -95,8 +95,8 @@ int run_run(const RunOptions& options) {
     if (inputs->lines != nullptr)
       print(
           fmt::format("  inputs    {}, of which {} to bodies already removed\n", input_count, engine.ignored_inputs()));
-    if (const auto budget = engine.budget_report())
-      print(fmt::format("  budget    {}\n", verifier::budget_text(*budget, result->tick_count)));
+    const std::string budget = verifier::budget_text(engine.budget_report(), result->tick_count);
+    if (!budget.empty()) print(fmt::format("  budget    {}\n", budget));
     if (inputs->clock != nullptr) print(fmt::format("  clock     {}\n", clock_text(*scene, inputs->clock->report())));
     print(fmt::format("  time      {:.4g} ms/tick (median), {:.3f} s in all\n", result->times.median_s() * 1e3,
                       result->times.sum_s()));

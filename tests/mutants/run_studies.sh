@@ -1,0 +1,20 @@
+#!/bin/sh
+# run_studies.sh TOOL SECONDS: runs the studies, quick ones first, and stops at the first that fails.
+# SPDX-License-Identifier: MIT
+tool=$1
+seconds=$2
+
+# study WORDS...
+study() {
+  output=$(timeout "$seconds" "$tool" "$@" 2>&1)
+  status=$?
+  [ $status -eq 0 ] && return
+  echo "failed: $*: exit $status: $(echo "$output" | grep -E 'fail|differ|error' | head -1)"
+  exit 1
+}
+
+study accuracy --no-times --precision f64
+study stress slope_hold topple friction elastic_drop wedge spring_ hanging_10 swinging_10 gain_ --precision f64
+study stress tower_10 tower_20 top_heavy_2 heavy_on_light card_house press --precision f32
+study crosscheck --suite
+study accuracy --no-times --precision f32
