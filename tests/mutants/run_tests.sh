@@ -27,7 +27,7 @@ cmake --build "$build" >/dev/null 2>&1 || fail 'the build of all'
 test_group '[cli]~[printed]~[.slow]'  # documents print the sizes of files of a release build
 test_group '[worlds]~[.slow],[properties]~[.slow]'
 test_group '[engine]~[properties]~[.]'
-for names in 'damage|forged|examples' 'play|reduce|trail|unsaved|causes|page|program_corpus|campaign_restore|reduce_again|udp_match'; do
+for names in 'damage|forged|examples' 'play|reduce|trail|unsaved|causes|page|program_corpus|campaign_restore|reduce_again'; do
   output=$(ctest --test-dir "$build" -R "^($names)\$" --stop-on-failure --timeout "$seconds" 2>&1) ||
     fail "$(echo "$output" | sed -n 's/.*Test *#[0-9]*: \([a-z_]*\) \.*\**\(.*\)/\1\2/p' | grep -v Passed | head -1)"
 done
