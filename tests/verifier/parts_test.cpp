@@ -118,4 +118,23 @@ TEST_CASE("parts: a trace that is cut, damaged or without checkpoints has one pa
   CHECK(verify_bytes(trace, beyond).verdict == Verdict::incomplete);
 }
 
+TEST_CASE("parts: joined, they warn of a state that never changes, and only if no part saw a change",
+          "[verifier][parts]") {
+  const Bytes trace = toy_trace_with(toy_setup(6), 60, 8);
+  std::vector<Report> parts = verify_parts(trace, toy_info, 4);
+  for (Report& part : parts) part.state_changed = false;
+  const std::optional<Report> unchanged = verifier::join_parts(pointers(parts));
+  REQUIRE(unchanged);
+  CHECK_FALSE(unchanged->state_changed);
+  CHECK(unchanged->warnings == std::vector<std::string>{verifier::unchanged_state_warning(60)});
+  for (Report& part : parts) {
+    part.state_changed = true;
+    const std::optional<Report> changed = verifier::join_parts(pointers(parts));
+    REQUIRE(changed);
+    CHECK(changed->state_changed);
+    CHECK(changed->warnings.empty());
+    part.state_changed = false;
+  }
+}
+
 }  // namespace ticktrue::test
