@@ -137,4 +137,23 @@ TEST_CASE("parts: joined, they warn of a state that never changes, and only if n
   }
 }
 
+TEST_CASE("parts: joined, they keep the warnings, notes and counts of every part", "[verifier][parts]") {
+  const Bytes trace = toy_trace_with(toy_setup(6), 60, 8);
+  std::vector<Report> parts = verify_parts(trace, toy_info, 3);
+  std::size_t segments = 0;
+  for (std::size_t p = 0; p < parts.size(); ++p) {
+    parts[p].warnings = {"warning " + std::to_string(p)};
+    parts[p].notes = {"note " + std::to_string(p)};
+    parts[p].wall_s = 1;
+    segments += parts[p].segments;
+  }
+  const std::optional<Report> joined = verifier::join_parts(pointers(parts));
+  REQUIRE(joined);
+  CHECK(joined->warnings == std::vector<std::string>{"warning 0", "warning 1", "warning 2"});
+  CHECK(joined->notes == std::vector<std::string>{"note 0", "note 1", "note 2"});
+  CHECK(joined->segments == segments);
+  CHECK(joined->wall_s == 3);
+  CHECK(joined->ticks_compared == 60);
+}
+
 }  // namespace ticktrue::test
