@@ -29,8 +29,8 @@ struct BuiltinScene {
   std::string_view summary;
   std::span<const SceneParameter> parameters;
   Scene (*build)(const SceneArguments& arguments);
-  bool automatic =
-      false;  // `substeps` is auto if not given: where that takes less than 1.5 times as long as 4 substeps
+  /// Whether `substeps` is auto if not given. True where that takes less than 1.5 times as long as 4 substeps.
+  bool automatic = false;
 };
 
 /// The only list of built-in scenes.
@@ -40,8 +40,8 @@ std::span<const std::string_view> scene_setting_names();
 
 /// `name` or `name?key=value&key=value`. Besides its own parameters each scene takes the names of Settings:
 /// precision, dt, substeps, solver, integrator, broad_phase, and gravity (m/s^2 downwards). Without `substeps`, those
-/// of BuiltinScene::automatic; a solver that does not substep has one. Errors: usage (unknown name or key, value out of
-/// range), and what check_scene refuses.
+/// of BuiltinScene::automatic; a solver that does not substep has one.
+/// Errors: usage (unknown name or key, value out of range), and what check_scene refuses.
 Result<Scene> make_builtin_scene(std::string_view text);
 
 }  // namespace ticktrue::engine

@@ -493,6 +493,18 @@ TEST_CASE("a key that a scene cannot have is refused with its name", "[verifier]
     return changed ? std::string() : changed.error().message;
   };
   CHECK(refusal("settings.substeps", "8").empty());
+  engine::Scene stated = *scene;  // what a scene states itself stays with "auto" and with an object
+  stated.settings.substep_budget = 77;
+  for (const char* value : {"auto", R"({"least": 4, "target_error": 0.01})"}) {
+    const auto kept = scene_with(stated, "settings.substeps", value, "--vary x");
+    REQUIRE(kept);
+    CHECK(kept->settings.auto_substeps);
+    CHECK(kept->settings.substep_budget == 77);
+  }
+  const auto fixed = scene_with(stated, "settings.substeps", "8", "--vary x");
+  REQUIRE(fixed);
+  CHECK(fixed->settings.substeps == 8);
+  CHECK_FALSE(fixed->settings.auto_substeps);
   CHECK(refusal("settings.solver", "pgs").find("substeps") != std::string::npos);
   CHECK(refusal("bodies.2.position.0", "1") == "--vary x: found bodies.2, expected an index below 2");
   CHECK(refusal("bodies.x.position", "1").find("expected an index below 2") != std::string::npos);

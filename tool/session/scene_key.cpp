@@ -55,7 +55,9 @@ std::optional<std::vector<std::string>> range_of(const std::string& text) {
 Result<engine::Scene> scene_with(const engine::Scene& scene, const std::string& key, const std::string& value,
                                  const std::string& place) {
   engine::Scene base = scene;
-  if (key == "settings.substeps") engine::use_fixed_substeps(base.settings, base.settings.substeps);
+  // A number cannot stand beside what only automatic substeps have; "auto" and an object keep it.
+  if (key == "settings.substeps" && engine::parse_number(value))
+    engine::use_fixed_substeps(base.settings, base.settings.substeps);
   Json tree = Json::parse(engine::print_scene(base));
   Json* at = &tree;
   std::string path;
