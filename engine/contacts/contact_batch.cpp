@@ -5,6 +5,7 @@
 #include <atomic>
 #include <cstddef>
 
+#include "engine/contacts/crowds.h"
 #include "engine/model/bodies.h"
 
 namespace ticktrue::engine::TICKTRUE_PRECISION {
@@ -202,6 +203,39 @@ void warm_start_contacts(const SolvedSet& solved, ContactBatches& batches) {
 
 void solve_contacts(const SolvedSet& solved, ContactBatches& batches) {
   for_colors(solved, batches, solved.kernels().contacts.solve);
+}
+
+void save_before_push(const SolvedSet& solved, ContactBatches& out) {
+  out.before_push.clear();
+  if (solved.tick.deep_counts.empty()) return;
+  for (std::uint32_t i = solved.set.first_batch; i < solved.set.batch_end; ++i)
+    for (const ContactPointLanes& point : out.batches[i].points)
+      out.before_push.push_back({point.normal_impulse, point.tangent_impulse});
+}
+
+void take_back_pushes(const SolvedSet& solved, ContactBatches& batches) {
+  if (batches.before_push.empty()) return;
+  const auto for_each_point = [&](auto use) {
+    std::size_t next = 0;
+    for (std::uint32_t i = solved.set.first_batch; i < solved.set.batch_end; ++i) {
+      ContactBatch& batch = batches.batches[i];
+      for (ContactPointLanes& point : batch.points) {
+        ImpulseLanes& before = batches.before_push[next++];
+        for (int lane = 0; lane < contact_lane_count; ++lane) {
+          const bool in_crowd = lane < batch.count && is_crowded(solved.tick, batch.contact[lane]);
+          use(in_crowd, point.normal_impulse.at[lane], before.normal.at[lane]);
+          use(in_crowd, point.tangent_impulse.at[lane], before.tangent.at[lane]);
+        }
+      }
+    }
+  };
+  for_each_point([](bool in_crowd, Real& impulse, Real& after) {
+    const Real change = in_crowd ? after - impulse : Real(0);
+    after = in_crowd ? after : impulse;
+    impulse = change;
+  });
+  warm_start_contacts(solved, batches);
+  for_each_point([](bool, Real& impulse, Real& after) { impulse = after; });
 }
 
 void relax_contacts(const SolvedSet& solved, ContactBatches& batches) {

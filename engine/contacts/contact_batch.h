@@ -23,20 +23,25 @@ struct BatchRun {
   std::size_t chunk_size;  // in batches
 };
 
+struct ImpulseLanes {
+  ContactLanes normal, tangent;  // N s
+};
+
 struct ContactBatches {
   std::vector<ContactBatch> batches;   // in solving order; the first `batch_count` are in use
   std::vector<SurfaceLanes> surfaces;  // [batch]; empty if no material of the scene has surface effects
   std::vector<BounceLanes> bounces;    // [batch]; empty if the kernels leave restitution out
   std::size_t batch_count = 0;
-  std::vector<std::uint32_t> slots;  // [batch of the set, lane] contact or no_contact; for sets of some contacts
-  std::vector<BatchRun> runs;        // in solving order
-  std::vector<ContactLanes> saved;   // [batch of the set, point] normal impulses
+  std::vector<std::uint32_t> slots;       // [batch of the set, lane] contact or no_contact; for sets of some contacts
+  std::vector<BatchRun> runs;             // in solving order
+  std::vector<ContactLanes> saved;        // [batch of the set, point] normal impulses
+  std::vector<ImpulseLanes> before_push;  // [batch of the set, point]; empty if no contact is in a crowd
 };
 
 template <typename Visit>
 void list_fields(ContactBatches& of, const Visit& visit) {
-  auto& [batches, surfaces, bounces, batch_count, slots, runs, saved] = of;
-  visit(in_place(batches), in_place(surfaces), in_place(bounces), batch_count, slots, runs, saved);
+  auto& [batches, surfaces, bounces, batch_count, slots, runs, saved, before_push] = of;
+  visit(in_place(batches), in_place(surfaces), in_place(bounces), batch_count, slots, runs, saved, before_push);
 }
 
 /// The workspace and the caches of the contact solver.
@@ -66,6 +71,10 @@ void prepare_contacts(const SolvedSet& solved, const ContactColors& colors, Cont
 void warm_start_contacts(const SolvedSet& solved, ContactBatches& batches);
 /// Requires: no pose has changed since prepare_contacts or the last relax_contacts.
 void solve_contacts(const SolvedSet& solved, ContactBatches& batches);
+/// Takes back the impulses that contacts of crowds got since save_before_push: what pushes a crowd apart moves bodies,
+/// and gives them no speed.
+void save_before_push(const SolvedSet& solved, ContactBatches& batches);
+void take_back_pushes(const SolvedSet& solved, ContactBatches& batches);
 /// Removes the velocity that solve_contacts added to correct overlaps.
 void relax_contacts(const SolvedSet& solved, ContactBatches& batches);
 /// Applies restitution at points that hit faster than `threshold`. True if there was such a point.

@@ -375,6 +375,9 @@ void list_pairs_of_bodies(const SolvedSet& solved, const std::vector<ImpactPair>
   for_each([&](std::uint32_t row, std::uint32_t i) { work.of_bodies[start[row + 1]++] = i; });
 }
 
+// No impact pushes shapes apart: the solver has contacts that overlap by more than this share of their size.
+constexpr Real overlap_share = Real(0.02);
+
 }  // namespace
 
 Real slow_closing(const Model& model, const State& state, const TickLists& tick, const ImpactPair& pair,
@@ -399,6 +402,7 @@ bool is_left_to_impacts(const Model& model, const State& state, const TickLists&
                           (a.velocity + cross(a.angular_velocity, point.anchor_a));
     const Real closing = -dot(velocity, pair.manifold.normal);
     if (closing >= 0 && closing <= threshold) return false;
+    if (-point.separation > overlap_share * pair.size) return false;
   }
   return true;
 }

@@ -4,7 +4,9 @@
 // "Wait-free Parallel Algorithms for the Union-Find Problem", 1991 (by several threads at once).
 #include "engine/islands/islands.h"
 
+#include <algorithm>
 #include <atomic>
+#include <bitset>
 
 #include "base/limits.h"
 #include "engine/impacts/impacts.h"
@@ -48,11 +50,11 @@ void unite_by_contacts(TickLists& tick, IslandWork& work) {
     for (std::size_t i = chunk.begin; i < chunk.end; ++i) {
       const std::uint32_t a = tick.contact_pairs[i].body_a;
       const std::uint32_t b = tick.contact_pairs[i].body_b;
-      if (work.body_types[a] != BodyType::dynamic_body || work.body_types[b] != BodyType::dynamic_body) continue;
+      if (!is_dynamic(work, a) || !is_dynamic(work, b)) continue;
       if (size < count)
-        unite_shared(tick.island_parent, a, b);
+        unite_shared(tick.island, a, b);
       else
-        unite(tick.island_parent, a, b);
+        unite(tick.island, a, b);
     }
   });
 }
@@ -73,14 +75,13 @@ void for_each_joined_pair(const Model& model, const State& state, Meet meet) {
   }
 }
 
-/// Unites dynamic bodies that contacts, impacts, joints or springs connect.
+/// Finds tick.island. Contacts, impacts, joints and springs connect dynamic bodies.
 void unite_bodies(const Model& model, const State& state, TickLists& tick, IslandWork& work) {
   const std::size_t count = state.bodies.size();
-  tick.island_parent.resize(count);
-  for (std::uint32_t row = 0; row < count; ++row) tick.island_parent[row] = row;
+  tick.island.resize(count);
+  for (std::uint32_t row = 0; row < count; ++row) tick.island[row] = row;
   const auto meet = [&](std::uint32_t a, std::uint32_t b) {
-    if (work.body_types[a] == BodyType::dynamic_body && work.body_types[b] == BodyType::dynamic_body)
-      unite(tick.island_parent, a, b);
+    if (is_dynamic(work, a) && is_dynamic(work, b)) unite(tick.island, a, b);
   };
   unite_by_contacts(tick, work);
   for (const ImpactPair& pair : tick.impacts) meet(pair.body_a, pair.body_b);
@@ -91,6 +92,8 @@ void unite_bodies(const Model& model, const State& state, TickLists& tick, Islan
     const std::uint32_t b = row_of(state, spring.other);
     if (a < count && b < count) meet(a, b);
   }
+  // A parent is never behind its row.
+  for (std::uint32_t row = 0; row < count; ++row) tick.island[row] = tick.island[tick.island[row]];
 }
 
 // ---- Sleep ----
@@ -145,13 +148,11 @@ void disturb(const Model& model, State& state, TickLists& tick, IslandWork& work
   }
 }
 
-bool is_dynamic(const IslandWork& work, std::uint32_t row) {
-  return work.body_types[row] == BodyType::dynamic_body;
-}
-
-/// Whether a body has been idle long enough to sleep with its island.
+/// Whether a body has been idle long enough to sleep with its island. A body that moves or was disturbed has an idle
+/// time of 0, which is never enough, also where the scene waits for no time at all.
 bool may_sleep(const Model& model, const State& state, std::uint32_t row) {
-  return state.sleep[row].calm >= static_cast<Real>(model.scene.settings.sleep->after_s);
+  const Real calm = state.sleep[row].calm;
+  return calm > 0 && calm >= static_cast<Real>(model.scene.settings.sleep->after_s);
 }
 
 void wake(SleepRow& sleep) {
@@ -176,18 +177,36 @@ bool stay_awake(const Model& model, State& state, TickLists& tick, IslandWork& w
 void sleep_by_islands(const Model& model, State& state, TickLists& tick, IslandWork& work) {
   const std::size_t count = state.bodies.size();
   work.island_awake.assign(count, 0);
+  work.all_are_held = true;
   for (std::uint32_t row = 0; row < count; ++row)
-    if (is_dynamic(work, row) && !may_sleep(model, state, row))
-      work.island_awake[find_root(tick.island_parent, row)] = 1;
+    if (is_dynamic(work, row) && !may_sleep(model, state, row)) work.island_awake[tick.island[row]] = 1;
   for (std::uint32_t row = 0; row < count; ++row) {
     if (!is_dynamic(work, row)) continue;
-    if (work.island_awake[find_root(tick.island_parent, row)] != 0) {
+    if (work.island_awake[tick.island[row]] != 0) {
       wake(state.sleep[row]);
+      work.all_are_held = false;
       continue;
     }
     state.sleep[row].asleep = 1;
     state.bodies[row].velocity = {0, 0};
     state.bodies[row].angular_velocity = 0;
+  }
+}
+
+/// Lists the bodies and contacts of the islands that are solved. Dynamic bodies that touch are in the same island.
+void list_awake(const State& state, const TickLists& tick, IslandWork& work) {
+  work.awake_rows.clear();
+  work.dynamic_count = 0;
+  for (std::uint32_t row = 0; row < state.bodies.size(); ++row) {
+    if (!is_dynamic(work, row)) continue;
+    ++work.dynamic_count;
+    if (work.island_awake[tick.island[row]] != 0) work.awake_rows.push_back(row);
+  }
+  work.awake_contacts.clear();
+  for (std::uint32_t i = 0; i < tick.contact_pairs.size(); ++i) {
+    const ContactPair& pair = tick.contact_pairs[i];
+    if (is_awake(tick, work, is_dynamic(work, pair.body_a) ? pair.body_a : pair.body_b))
+      work.awake_contacts.push_back(i);
   }
 }
 
@@ -206,7 +225,7 @@ void find_set_keys(TickLists& tick, IslandWork& work) {
     const BodyType type = work.body_types[row];
     std::uint32_t key = type == BodyType::kinematic_body ? key_of_all_sets : key_of_no_set;
     if (type == BodyType::dynamic_body) {
-      const std::uint32_t root = find_root(tick.island_parent, row);
+      const std::uint32_t root = tick.island[row];
       if (work.island_awake[root] != 0) key = 2 * tick.island_level[root] + tick.island_has_resting_impact[root];
     }
     work.set_keys[row] = key;
@@ -228,8 +247,8 @@ void add_solver_set(const Model& model, const State& state, TickLists& tick, Isl
   const auto select = [&](std::size_t begin, std::size_t end, std::uint32_t* out) {
     std::size_t count = 0;
     for (std::size_t i = begin; i < end; ++i) {
-      const ContactPair& pair = tick.contact_pairs[i];
-      const auto contact = static_cast<std::uint32_t>(i);
+      const std::uint32_t contact = work.awake_contacts[i];
+      const ContactPair& pair = tick.contact_pairs[contact];
       const std::uint32_t of_a = work.set_keys[pair.body_a];
       // Dynamic bodies that touch are in the same island.
       if ((of_a < key_least ? work.set_keys[pair.body_b] : of_a) == key &&
@@ -238,9 +257,9 @@ void add_solver_set(const Model& model, const State& state, TickLists& tick, Isl
     }
     return count;
   };
-  tick.set_contacts.resize(set.first_contact + tick.contact_pairs.size());
+  tick.set_contacts.resize(set.first_contact + work.awake_contacts.size());
   const std::size_t contact_count =
-      select_in_chunks(tick.parallel, work.part_counts, tick.contact_pairs.size(), contacts_per_chunk_least,
+      select_in_chunks(tick.parallel, work.part_counts, work.awake_contacts.size(), contacts_per_chunk_least,
                        tick.set_contacts.data() + set.first_contact, select);
   tick.set_contacts.resize(set.first_contact + contact_count);
   set.row_end = static_cast<std::uint32_t>(tick.set_rows.size());
@@ -256,10 +275,14 @@ void make_solver_sets(const Model& model, const State& state, TickLists& tick, I
   tick.set_contacts.clear();
   tick.body_solver_set.assign(state.bodies.size(), no_solver_set);
   find_set_keys(tick, work);
-  bool in_use[key_count] = {};
-  in_use[2 * model.scene.settings.substeps] = true;  // always, for kinematic bodies
-  for (const std::uint32_t key : work.set_keys) in_use[key] = true;
-  for (std::uint32_t key = key_least; key < key_count; ++key)
+  std::bitset<key_count> in_use;
+  std::uint32_t last = 2 * static_cast<std::uint32_t>(model.scene.settings.substeps);
+  in_use[last] = true;  // always, for kinematic bodies
+  for (const std::uint32_t key : work.set_keys) {
+    in_use[key] = true;
+    last = std::max(last, key);
+  }
+  for (std::uint32_t key = key_least; key <= last; ++key)
     if (in_use[key]) add_solver_set(model, state, tick, work, key);
 }
 
@@ -272,12 +295,13 @@ void IslandFinder::run(const Model& model, State& state, TickLists& tick, Real d
   tick.has_solver_sets = !all_awake || model.scene.settings.auto_substeps;
   if (!tick.has_solver_sets) return;
   unite_bodies(model, state, tick, work_);
+  work_.all_are_held = false;
   if (all_awake)
     work_.island_awake.assign(state.bodies.size(), 1);
   else
     sleep_by_islands(model, state, tick, work_);
-  work_.all_are_held = false;
   if (holds_islands(model)) hold_islands(model, state, tick, work_, dt);
+  list_awake(state, tick, work_);
   choose_substeps(model, state, tick, work_, dt);
   make_solver_sets(model, state, tick, work_);
 }

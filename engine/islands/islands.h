@@ -27,12 +27,15 @@ void list_fields(LoadEstimate& of, const Visit& visit) {
 
 /// The workspace of the search for islands in a tick.
 struct IslandWork {
-  std::vector<BodyType> body_types;          // [body]
-  std::vector<std::uint32_t> set_keys;       // [body] the key of its solver set
-  std::vector<std::uint8_t> island_awake;    // [body] at the island's first row
-  std::vector<std::uint8_t> island_carried;  // [body] at the island's first row; empty unless islands are held
-  bool all_are_held = false;                 // no island is solved in this tick
-  std::vector<std::uint32_t> part_counts;    // [chunk]
+  std::vector<BodyType> body_types;           // [body]
+  std::vector<std::uint32_t> set_keys;        // [body] the key of its solver set
+  std::vector<std::uint8_t> island_awake;     // [body] at the island's first row
+  std::vector<std::uint8_t> island_carried;   // [body] at the island's first row; empty unless islands are held
+  std::size_t dynamic_count = 0;              // bodies
+  bool all_are_held = false;                  // no island is solved in this tick
+  std::vector<std::uint32_t> awake_rows;      // dynamic bodies of the islands that are solved
+  std::vector<std::uint32_t> awake_contacts;  // of these bodies, in TickLists::contact_pairs
+  std::vector<std::uint32_t> part_counts;     // [chunk]
   std::vector<Support> supports;
   std::vector<std::uint32_t> support_start;  // [body] steps from the ground or the heaviest floating body
   std::vector<std::uint32_t> support_depth;  // [body] steps from the ground or the heaviest floating body
@@ -53,20 +56,23 @@ struct IslandWork {
   std::vector<std::uint32_t> idle_ticks;             // [body] at the island's first row
   DirectMarks direct;                                // empty unless loads are measured and joints are direct
   std::vector<Real> sway;                            // [body] 1/s^2, of bodies on direct joints
+  std::vector<Real> strike;                          // [body] 1/s, of what will hit it in this tick
   std::vector<std::uint8_t> has_direct;              // [body] at the island's first row: it has direct joints
   std::vector<std::uint64_t> island_work;            // [body] at the island's first row, of a substep
 };
 
 template <typename Visit>
 void list_fields(IslandWork& of, const Visit& visit) {
-  auto& [body_types, set_keys, island_awake, island_carried, all_are_held, part_counts, supports, support_start,
-         support_depth, support_order, joint_acceleration, load_moment, load_passed_on, tilt_errors, weights, measured,
-         is_floating, known_force, measured_force, measured_level, measured_level_before, island_errors,
-         substeps_before, idle_ticks, direct, sway, has_direct, island_work] = of;
-  visit(body_types, set_keys, island_awake, island_carried, all_are_held, part_counts, supports, support_start,
-        support_depth, support_order, joint_acceleration, load_moment, load_passed_on, tilt_errors, weights, measured,
-        is_floating, known_force, measured_force, measured_level, measured_level_before, island_errors, substeps_before,
-        idle_ticks, direct, sway, has_direct, island_work);
+  auto& [body_types, set_keys, island_awake, island_carried, dynamic_count, all_are_held, awake_rows, awake_contacts,
+         part_counts, supports, support_start, support_depth, support_order, joint_acceleration, load_moment,
+         load_passed_on, tilt_errors, weights, measured, is_floating, known_force, measured_force, measured_level,
+         measured_level_before, island_errors, substeps_before, idle_ticks, direct, sway, strike, has_direct,
+         island_work] = of;
+  visit(body_types, set_keys, island_awake, island_carried, dynamic_count, all_are_held, awake_rows, awake_contacts,
+        part_counts, supports, support_start, support_depth, support_order, joint_acceleration, load_moment,
+        load_passed_on, tilt_errors, weights, measured, is_floating, known_force, measured_force, measured_level,
+        measured_level_before, island_errors, substeps_before, idle_ticks, direct, sway, strike, has_direct,
+        island_work);
 }
 
 /// The stage that decides which bodies sleep, which bodies are solved together, and in how many substeps.
@@ -81,6 +87,16 @@ class IslandFinder final : public Stage {
 
 inline BodyType type_of(const Model& model, const State& state, std::uint32_t row) {
   return model.bodies[state.bodies[row].source].type;
+}
+
+/// Requires: work.body_types is of this tick.
+inline bool is_dynamic(const IslandWork& work, std::uint32_t row) {
+  return work.body_types[row] == BodyType::dynamic_body;
+}
+
+/// Whether a body is in an island that is solved in this tick. Requires: work.island_awake is of this tick.
+inline bool is_awake(const TickLists& tick, const IslandWork& work, std::uint32_t row) {
+  return is_dynamic(work, row) && work.island_awake[tick.island[row]] != 0;
 }
 
 inline bool is_moving(const BodyRow& body) {
@@ -104,6 +120,6 @@ void choose_substeps(const Model& model, State& state, TickLists& tick, IslandWo
 
 /// Finds the contacts that will hit bodies at rest in this tick, and their islands. Requires: tick.load has the
 /// supported loads, and tick.island_level is of this tick.
-void find_resting_impacts(const Model& model, const State& state, TickLists& tick, Real dt);
+void find_resting_impacts(const Model& model, const State& state, TickLists& tick, const IslandWork& work, Real dt);
 
 }  // namespace ticktrue::engine::TICKTRUE_PRECISION

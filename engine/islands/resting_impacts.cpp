@@ -5,18 +5,13 @@
 namespace ticktrue::engine::TICKTRUE_PRECISION {
 namespace {
 
-std::uint32_t island_of(const TickLists& tick, std::uint32_t row) {
-  while (tick.island_parent[row] != row) row = tick.island_parent[row];
-  return row;
-}
-
 /// Excludes islands with joints from shock propagation: the passes of each substep solve them. Joints would keep the
 /// impulses of an impact as forces, which would throw the joined bodies.
 void leave_out_joined(const State& state, TickLists& tick) {
   for (const JointRow& joint : state.joints)
     if (joint.body_a != no_reference)
       for (const std::uint32_t id : {joint.body_a, joint.body_b})
-        tick.island_has_resting_impact[island_of(tick, static_cast<std::uint32_t>(state.find_body(id)))] = 0;
+        tick.island_has_resting_impact[tick.island[row_of(state, id)]] = 0;
 }
 
 /// Whether a body moves by less than `allowed` in a substep of length `h`.
@@ -35,14 +30,13 @@ bool hits_resting_body(const Model& model, const State& state, const TickLists& 
 
 }  // namespace
 
-void find_resting_impacts(const Model& model, const State& state, TickLists& tick, Real dt) {
+void find_resting_impacts(const Model& model, const State& state, TickLists& tick, const IslandWork& work, Real dt) {
   const Real target = static_cast<Real>(model.scene.settings.auto_substeps->target_error);
-  for (std::uint32_t contact = 0; contact < tick.contact_pairs.size(); ++contact) {
+  for (const std::uint32_t contact : work.awake_contacts) {
     const ContactPair& pair = tick.contact_pairs[contact];
-    const bool a_moves = model.bodies[state.bodies[pair.body_a].source].type == BodyType::dynamic_body;
-    const bool b_moves = model.bodies[state.bodies[pair.body_b].source].type == BodyType::dynamic_body;
-    if (!a_moves || !b_moves || !(tick.load[pair.body_a] > 0 || tick.load[pair.body_b] > 0)) continue;
-    const std::uint32_t root = island_of(tick, pair.body_a);
+    if (!(tick.load[pair.body_a] > 0 || tick.load[pair.body_b] > 0)) continue;
+    if (!is_dynamic(work, pair.body_a) || !is_dynamic(work, pair.body_b)) continue;
+    const std::uint32_t root = tick.island[pair.body_a];
     const Real closing = closing_speed(pair, state.bodies[pair.body_a], state.bodies[pair.body_b]);
     const Real h = dt / static_cast<Real>(tick.island_level[root]);
     const Real allowed = target * pair.size;

@@ -2,6 +2,9 @@
 // SPDX-License-Identifier: MIT
 #include "engine/islands/substep_budget.h"
 
+#include <algorithm>
+
+#include "base/limits.h"
 #include "engine/islands/islands.h"
 
 namespace ticktrue::engine::TICKTRUE_PRECISION {
@@ -36,19 +39,18 @@ std::uint64_t find_work(const Model& model, const State& state, TickLists& tick,
   std::vector<std::uint64_t>& of_island = work.island_work;
   of_island.assign(state.bodies.size(), 0);
   work.has_direct.assign(state.bodies.size(), 0);
-  const bool some_are_held = holds_islands(model);
+  const bool holds = holds_islands(model);
   std::uint64_t sum = 0;
   const auto root_of = [&](std::uint32_t a, std::uint32_t b) {
-    const bool a_moves = a != no_reference && type_of(model, state, a) == BodyType::dynamic_body;
-    return find_root(tick.island_parent, a_moves ? a : b);
+    const bool a_moves = a != no_reference && is_dynamic(work, a);
+    return tick.island[a_moves ? a : b];
   };
   const auto add = [&](std::uint32_t root, std::uint64_t amount, std::uint64_t fixed_amount) {
-    const bool is_awake = work.island_awake[root] != 0;
-    if (is_awake) of_island[root] += amount;
-    if (is_awake || some_are_held) sum += fixed_amount;
+    const bool is_solved = work.island_awake[root] != 0;
+    if (is_solved) of_island[root] += amount;
+    if (is_solved || holds) sum += fixed_amount;
   };
-  for (std::uint32_t row = 0; row < state.bodies.size(); ++row)
-    if (type_of(model, state, row) == BodyType::dynamic_body) add(root_of(row, row), work_of_body, work_of_body);
+  for (const std::uint32_t row : work.awake_rows) add(tick.island[row], work_of_body, work_of_body);
   for (std::size_t i = 0; i < state.joints.size(); ++i) {
     const JointRow& joint = state.joints[i];
     const std::uint32_t a = joint.body_a == no_reference ? no_reference : row_of(state, joint.body_a);
@@ -58,15 +60,36 @@ std::uint64_t find_work(const Model& model, const State& state, TickLists& tick,
     add(root, is_direct ? direct_work(model.joints[joint.joint]) : work_of_joint, work_of_joint);
   }
   // Contacts beside direct joints are solved in two turns (direct_set.h).
-  const auto add_pairs = [&](const auto& pairs, std::uint64_t amount) {
-    for (const auto& pair : pairs) {
-      const std::uint32_t root = root_of(pair.body_a, pair.body_b);
-      add(root, work.has_direct[root] != 0 ? 2 * amount : amount, amount);
-    }
+  const auto add_pair = [&](const auto& pair, std::uint64_t amount) {
+    const std::uint32_t root = root_of(pair.body_a, pair.body_b);
+    add(root, work.has_direct[root] != 0 ? 2 * amount : amount, amount);
   };
-  add_pairs(tick.contact_pairs, work_of_contact);
-  add_pairs(tick.impacts, work_of_impact);
+  for (const std::uint32_t contact : work.awake_contacts) add_pair(tick.contact_pairs[contact], work_of_contact);
+  for (const ImpactPair& pair : tick.impacts) add_pair(pair, work_of_impact);
+  if (holds)
+    sum += work_of_body * (work.dynamic_count - work.awake_rows.size()) +
+           work_of_contact * (tick.contact_pairs.size() - work.awake_contacts.size());
   return sum;
+}
+
+/// Lowers the largest levels until the work of the tick is at most `allowed`, or none is above the least. Returns that
+/// work.
+std::uint64_t lower_levels(const Settings& settings, std::uint64_t allowed, TickLists& tick, const IslandWork& work) {
+  const auto least = static_cast<std::uint32_t>(settings.substeps);
+  std::uint64_t of_level[limits::substep_count_max + 1] = {};  // the work of a substep
+  for (std::size_t row = 0; row < tick.island_level.size(); ++row)
+    of_level[tick.island_level[row]] += work.island_work[row];
+  const auto work_with = [&](std::uint32_t most) {
+    std::uint64_t sum = 0;
+    for (std::uint32_t level = 0; level <= limits::substep_count_max; ++level)
+      sum += of_level[level] * std::min(level, most);
+    return sum;
+  };
+  auto most = static_cast<std::uint32_t>(settings.auto_substeps->substeps_max);
+  while (most > least && work_with(most) > allowed) most = most > least + cap_step ? most - cap_step : least;
+  for (std::size_t row = 0; row < tick.island_level.size(); ++row)
+    if (work.island_work[row] != 0) tick.island_level[row] = std::min(tick.island_level[row], most);
+  return work_with(most);
 }
 
 }  // namespace
@@ -74,27 +97,15 @@ std::uint64_t find_work(const Model& model, const State& state, TickLists& tick,
 void apply_budget(const Model& model, State& state, TickLists& tick, IslandWork& work) {
   const std::uint64_t per_substep = find_work(model, state, tick, work);
   const Settings& settings = model.scene.settings;
-  const auto least = static_cast<std::uint32_t>(settings.substeps);
   const std::uint64_t allowed =
       static_cast<std::uint64_t>(settings.substep_budget) * (per_substep > substep_least ? per_substep : substep_least);
-  const auto work_with = [&](std::uint32_t most) {
-    std::uint64_t sum = 0;
-    for (std::uint32_t row = 0; row < state.bodies.size(); ++row) {
-      const std::uint32_t level = tick.island_level[row];
-      sum += work.island_work[row] * (level < most ? level : most);
-    }
-    return sum;
-  };
-  auto most = static_cast<std::uint32_t>(settings.auto_substeps->substeps_max);
-  bool is_limited = false;
-  while (most > least && work_with(most) > allowed) most = most > least + cap_step ? most - cap_step : least;
-  for (std::uint32_t row = 0; row < state.bodies.size(); ++row) {
-    if (work.island_work[row] == 0 || tick.island_level[row] <= most) continue;
-    tick.island_level[row] = most;
-    is_limited = true;
+  std::uint64_t used = 0;
+  for (std::uint32_t row = 0; row < state.bodies.size(); ++row) used += work.island_work[row] * tick.island_level[row];
+  if (used > allowed) {
+    const std::uint64_t wanted = used;
+    used = lower_levels(settings, allowed, tick, work);
+    if (used < wanted) count_up(state.budget.limited_ticks);
   }
-  if (is_limited) count_up(state.budget.limited_ticks);
-  const std::uint64_t used = work_with(most);
   const std::uint64_t rest = used < allowed ? allowed - used : 0;
   const std::uint64_t saved_max = saved_ticks * allowed;
   const std::uint64_t saved = state.budget.saved_work < saved_max ? state.budget.saved_work : saved_max;

@@ -72,7 +72,7 @@ Real drag_force(const Model& model, const BodyRow& body) {
 /// of motors along an axis. A motor far from its speed has its largest force, another motor the force of the last tick.
 void find_known_forces(const Model& model, const State& state, const TickLists& tick, IslandWork& work) {
   work.known_force.assign(state.bodies.size(), 0);
-  for (std::uint32_t row = 0; row < state.bodies.size(); ++row) {
+  for (const std::uint32_t row : work.support_order) {
     const std::uint32_t source = state.bodies[row].source;
     Vec2 force = tick.force.empty() ? Vec2{} : tick.force[row];
     if (!model.body_forces.empty()) force = force + model.bodies[source].mass * model.body_forces[source].acceleration;
@@ -92,8 +92,10 @@ void find_known_forces(const Model& model, const State& state, const TickLists& 
   }
 }
 
-constexpr Real turn_max = Real(0.1);   // rad, of a body on direct joints in a substep: a whip loses energy beyond
-constexpr Real sway_max = Real(0.6);   // rate times substep: light links between heavy bodies come apart beyond
+constexpr Real turn_max = Real(0.1);  // rad, of a body on direct joints in a substep: a whip loses energy beyond
+constexpr Real sway_max = Real(0.6);  // rate times substep: light links between heavy bodies come apart beyond
+// Of what hits bodies on direct joints: sizes of the smaller shape in a substep.
+constexpr Real strike_max = Real(0.05);
 constexpr int sway_substeps_max = 64;  // enough for 10,000 times the mass of a link at its end
 
 // A measured load counts if it exceeds the weights by this factor, since measured loads of bodies at rest vary.
@@ -127,7 +129,7 @@ void estimate_errors(const Model& model, const State& state, const IslandWork& w
     for_each_carrier(work, row, [&](const Support& support) {
       const Real compression = share * support.compliance;
       out.position_error[row] = larger(out.position_error[row], out.position_error[support.other] + compression);
-      const bool both_move = type_of(model, state, support.other) == BodyType::dynamic_body;
+      const bool both_move = is_dynamic(work, support.other);
       const Real other_size = model.bodies[state.bodies[support.other].source].size;
       const Real least = both_move ? smaller(size, other_size) : size;
       if (least > 0) out.local_error[row] = larger(out.local_error[row], compression / least);
@@ -208,13 +210,13 @@ void find_mass_factors(const Model& model, const State& state, TickLists& tick, 
     if (work.support_depth[row] == 0 || is_floating(work, row)) continue;
     const Real size = model.bodies[state.bodies[row].source].size;
     const Real whole = size > 0 ? loads.position_error[row] / size : Real(0);
-    IslandError& island = islands[find_root(tick.island_parent, row)];
+    IslandError& island = islands[tick.island[row]];
     island.error = larger(island.error, (ratio * ratio) * larger(whole, loads.local_error[row]) / target);
     island.depth = larger(island.depth, static_cast<Real>(work.support_depth[row]));
   }
   for (const std::uint32_t row : work.support_order) {
     if (work.support_depth[row] == 0 || is_floating(work, row)) continue;
-    const IslandError& island = islands[find_root(tick.island_parent, row)];
+    const IslandError& island = islands[tick.island[row]];
     const Real own = own_load(model, state, work, row);
     if (!(island.error > 1) || !(own > 0)) continue;
     const Real most = added_share_max * (loads.load[row] - own) / (own * island.depth);
@@ -223,18 +225,18 @@ void find_mass_factors(const Model& model, const State& state, TickLists& tick, 
 }
 
 /// Raises the level of each island to the need of its loads.
-void raise_levels(const Model& model, const State& state, TickLists& tick, const LoadEstimate& loads,
-                  std::span<const TiltError> tilts, std::vector<std::uint32_t>& level) {
+void raise_levels(const Model& model, const State& state, const TickLists& tick, const IslandWork& work,
+                  const LoadEstimate& loads, std::vector<std::uint32_t>& level) {
   const Settings& settings = model.scene.settings;
   const auto least = static_cast<std::uint32_t>(settings.substeps);
   const auto most = static_cast<std::uint32_t>(settings.auto_substeps->substeps_max);
   const Real target = static_cast<Real>(settings.auto_substeps->target_error);
-  for (std::uint32_t row = 0; row < state.bodies.size(); ++row) {
-    if (type_of(model, state, row) != BodyType::dynamic_body) continue;
-    std::uint32_t& island = level[find_root(tick.island_parent, row)];
+  for (const std::uint32_t row : work.support_order) {
+    if (!is_dynamic(work, row)) continue;
+    std::uint32_t& island = level[tick.island[row]];
     const BodyModel& body = model.bodies[state.bodies[row].source];
     // A sudden load swings twice as far.
-    const Real error = larger(loads.position_error[row], 2 * length(tilts[row].displacement));
+    const Real error = larger(loads.position_error[row], 2 * length(work.tilt_errors[row].displacement));
     const std::uint32_t wanted = wanted_substeps(error, target * body.size, least, most);
     const std::uint32_t wanted_here = wanted_substeps(loads.local_error[row], target, least, most);
     island = island > wanted ? island : wanted;
@@ -244,8 +246,8 @@ void raise_levels(const Model& model, const State& state, TickLists& tick, const
 
 /// Adds the errors by forces between bodies of equal depth, as in a row of boxes that is pressed together.
 void add_side_errors(const Model& model, const State& state, const IslandWork& work, LoadEstimate& out) {
-  for (std::uint32_t row = 0; row < state.bodies.size(); ++row) {
-    if (type_of(model, state, row) != BodyType::dynamic_body || work.support_depth[row] == not_carried) continue;
+  for (const std::uint32_t row : work.support_order) {
+    if (!is_dynamic(work, row)) continue;
     for (const Support& support : supports_of(work, row)) {
       if (work.support_depth[support.other] != work.support_depth[row]) continue;
       const Real compression = support.force * support.compliance;
@@ -279,6 +281,27 @@ void find_sways(const Model& model, const State& state, IslandWork& work) {
   }
 }
 
+/// The greatest speed, in sizes of the smaller shape per second, at which a moving body will hit each body in this
+/// tick.
+void find_strikes(const State& state, const TickLists& tick, Real dt, IslandWork& work) {
+  work.strike.assign(state.bodies.size(), 0);
+  for (const std::uint32_t contact : work.awake_contacts) {
+    const ContactPair& pair = tick.contact_pairs[contact];
+    if (!is_dynamic(work, pair.body_a) || !is_dynamic(work, pair.body_b)) continue;
+    const BodyRow& a = state.bodies[pair.body_a];
+    const BodyRow& b = state.bodies[pair.body_b];
+    for (int i = 0; i < pair.manifold.point_count; ++i) {
+      const ManifoldPoint& point = pair.manifold.points[i];
+      const Vec2 velocity = (b.velocity + cross(b.angular_velocity, point.anchor_b)) -
+                            (a.velocity + cross(a.angular_velocity, point.anchor_a));
+      const Real closing = -dot(velocity, pair.manifold.normal);
+      if (!(closing * dt > point.separation)) continue;
+      for (const std::uint32_t row : {pair.body_a, pair.body_b})
+        work.strike[row] = larger(work.strike[row], closing / pair.size);
+    }
+  }
+}
+
 /// Raises the levels of islands with bodies on direct joints until rate_of(row) times a substep is at most `most_turn`,
 /// up to `substeps_max`.
 template <typename RateOf>
@@ -291,12 +314,12 @@ void raise_by_rates(const Model& model, const State& state, TickLists& tick, con
     if (work.direct.is_direct[i] == 0) continue;
     for_each_body(model, model.joints[state.joints[i].joint], [&](std::uint32_t id) {
       const std::uint32_t row = row_of(state, id);
-      if (type_of(model, state, row) != BodyType::dynamic_body) return;
+      if (!is_dynamic(work, row)) return;
       const Real turn = rate_of(row) * dt;
       std::uint32_t count = least;
       while (count < most && turn > most_turn * static_cast<Real>(count)) count *= 2;
       count = count < most ? count : most;
-      std::uint32_t& at = level[find_root(tick.island_parent, row)];
+      std::uint32_t& at = level[tick.island[row]];
       if (count > at) at = count;
     });
   }
@@ -313,23 +336,32 @@ void raise_by_measured_loads(const Model& model, State& state, TickLists& tick, 
   add_side_errors(model, state, work, work.measured);
   std::vector<std::uint32_t>& now = work.measured_level;
   now.assign(state.bodies.size(), static_cast<std::uint32_t>(model.scene.settings.substeps));
-  raise_levels(model, state, tick, work.measured, work.tilt_errors, now);
+  raise_levels(model, state, tick, work, work.measured, now);
   find_sways(model, state, work);
   const auto sway_of = [&](std::uint32_t row) { return square_root(work.sway[row]); };
   raise_by_rates(model, state, tick, work, dt, sway_max, sway_substeps_max, sway_of, now);
   std::vector<std::uint32_t>& before = work.measured_level_before;
   before.assign(state.bodies.size(), 0);
-  for (std::uint32_t row = 0; row < state.bodies.size(); ++row) {
-    const std::uint32_t root = find_root(tick.island_parent, row);
+  for (const std::uint32_t row : work.awake_rows) {
+    const std::uint32_t root = tick.island[row];
     if (state.loads[row].wanted > before[root]) before[root] = state.loads[row].wanted;
   }
-  for (std::uint32_t row = 0; row < state.bodies.size(); ++row) {
-    if (type_of(model, state, row) != BodyType::dynamic_body) continue;
-    const std::uint32_t root = find_root(tick.island_parent, row);
+  for (const std::uint32_t row : work.awake_rows) {
+    const std::uint32_t root = tick.island[row];
     state.loads[row].wanted = now[root];
     const std::uint32_t both = now[root] < before[root] ? now[root] : before[root];
     if (both > level[root]) level[root] = both;
   }
+}
+
+/// The needs of islands in which nothing carries anything.
+void need_nothing(const Model& model, State& state, TickLists& tick, const IslandWork& work) {
+  const Settings& settings = model.scene.settings;
+  tick.load.assign(state.bodies.size(), 0);
+  tick.mass_factor.assign(state.bodies.size(), 1);
+  if (settings.substep_loads != SubstepLoads::measured) return;
+  for (const std::uint32_t row : work.awake_rows)
+    state.loads[row].wanted = static_cast<std::uint32_t>(settings.substeps);
 }
 
 /// Finds the needs of all islands: tick.island_level, tick.load, tick.mass_factor.
@@ -337,31 +369,39 @@ void estimate_needs(const Model& model, State& state, TickLists& tick, IslandWor
   const Settings& settings = model.scene.settings;
   const bool is_measured = settings.substep_loads == SubstepLoads::measured;
   work.direct.is_direct.clear();
-  if (is_measured && settings.joints == JointSolverKind::direct) mark_direct_joints(model, state, work.direct);
+  if (is_measured && settings.joints == JointSolverKind::direct && !state.joints.empty())
+    mark_direct_joints(model, state, work.direct);
   list_supports(model, state, tick, work, dt / static_cast<Real>(reference_substeps));
+  if (work.supports.empty() && state.joints.empty()) return need_nothing(model, state, tick, work);
   find_depths(model, state, work);
   find_joint_accelerations(state, work);
   if (is_measured) find_known_forces(model, state, tick, work);
   estimate_errors(model, state, work, {}, work.weights);
   estimate_tilts(state, work);
   std::vector<std::uint32_t>& level = tick.island_level;
-  raise_levels(model, state, tick, work.weights, work.tilt_errors, level);
+  raise_levels(model, state, tick, work, work.weights, level);
   if (is_measured) raise_by_measured_loads(model, state, tick, work, dt, level);
   const auto turn_of = [&](std::uint32_t row) { return absolute(state.bodies[row].angular_velocity); };
   raise_by_rates(model, state, tick, work, dt, turn_max, settings.auto_substeps->substeps_max, turn_of, level);
+  if (!work.direct.is_direct.empty()) {
+    find_strikes(state, tick, dt, work);
+    const auto strike_of = [&](std::uint32_t row) { return work.strike[row]; };
+    raise_by_rates(model, state, tick, work, dt, strike_max, settings.auto_substeps->substeps_max, strike_of, level);
+  }
   find_mass_factors(model, state, tick, work);
   tick.load = work.weights.load;
 }
 
-/// Raises the number of substeps of an island at once, and lowers it after enough idle ticks.
-void change_levels(const Model& model, State& state, TickLists& tick, IslandWork& work) {
-  std::vector<std::uint32_t>& level = tick.island_level;
+/// Raises the number of substeps of an island at once, and lowers it after enough idle ticks. An island that is not
+/// solved keeps what it had.
+void change_levels(State& state, const TickLists& tick, IslandWork& work) {
+  const std::vector<std::uint32_t>& level = tick.island_level;
   std::vector<std::uint32_t>& had = work.substeps_before;
   had.assign(state.bodies.size(), 0);
   std::vector<std::uint32_t>& idle = work.idle_ticks;
   idle.assign(state.bodies.size(), idle_tick_count);
-  for (std::uint32_t row = 0; row < state.bodies.size(); ++row) {
-    const std::uint32_t root = find_root(tick.island_parent, row);
+  for (const std::uint32_t row : work.awake_rows) {
+    const std::uint32_t root = tick.island[row];
     const SubstepRow& now = state.substeps[row];
     if (now.count > had[root]) {
       had[root] = now.count;
@@ -370,9 +410,8 @@ void change_levels(const Model& model, State& state, TickLists& tick, IslandWork
       idle[root] = now.idle_ticks;
     }
   }
-  for (std::uint32_t row = 0; row < state.bodies.size(); ++row) {
-    if (type_of(model, state, row) != BodyType::dynamic_body) continue;
-    const std::uint32_t root = find_root(tick.island_parent, row);
+  for (const std::uint32_t row : work.awake_rows) {
+    const std::uint32_t root = tick.island[row];
     const bool keeps = had[root] > level[root] && idle[root] + 1 < idle_tick_count;
     SubstepRow& now = state.substeps[row];
     now.count = keeps ? had[root] : level[root];
@@ -395,14 +434,12 @@ void choose_substeps(const Model& model, State& state, TickLists& tick, IslandWo
     tick.mass_factor.assign(count, 1);
   } else {
     estimate_needs(model, state, tick, work, dt);
-    change_levels(model, state, tick, work);
+    change_levels(state, tick, work);
   }
-  for (std::uint32_t row = 0; row < count; ++row)
-    if (type_of(model, state, row) == BodyType::dynamic_body)
-      tick.island_level[find_root(tick.island_parent, row)] = state.substeps[row].count;
+  for (const std::uint32_t row : work.awake_rows) tick.island_level[tick.island[row]] = state.substeps[row].count;
   tick.shock_work_left = shock_work_max;
   if (has_budget(model)) apply_budget(model, state, tick, work);
-  find_resting_impacts(model, state, tick, dt);
+  find_resting_impacts(model, state, tick, work, dt);
 }
 
 }  // namespace ticktrue::engine::TICKTRUE_PRECISION

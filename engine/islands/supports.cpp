@@ -19,14 +19,14 @@ Real inv_effective_mass(const Model& model, const State& state, const ContactPai
 }
 
 /// Compliance of a contact at the reference number of substeps, m/N.
-Real contact_compliance(const Model& model, const State& state, const ContactPair& pair, Real h) {
+Real contact_compliance(const Model& model, const State& state, const IslandWork& work, const ContactPair& pair,
+                        Real h) {
   Real stiffness = 0;  // N/m
   for (int i = 0; i < pair.manifold.point_count; ++i) {
     const Real inv_mass = inv_effective_mass(model, state, pair, pair.manifold.points[i]);
     if (inv_mass > 0) stiffness += soft_contact_stiffness(h) / inv_mass;
   }
-  const bool immovable = type_of(model, state, pair.body_a) != BodyType::dynamic_body ||
-                         type_of(model, state, pair.body_b) != BodyType::dynamic_body;
+  const bool immovable = !is_dynamic(work, pair.body_a) || !is_dynamic(work, pair.body_b);
   if (immovable) stiffness *= 4;  // twice the frequency
   return stiffness > 0 ? 1 / stiffness : Real(0);
 }
@@ -67,24 +67,29 @@ void list_supports(const Model& model, const State& state, TickLists& tick, Isla
   const bool is_measured = model.scene.settings.substep_loads == SubstepLoads::measured;
   std::vector<std::uint32_t>& start = work.support_start;
   start.assign(state.bodies.size() + 2, 0);
-  for (const ContactPair& pair : tick.contact_pairs) {
+  const auto is_joint_listed = [&](const JointRow& joint) {
+    return supports(joint, is_measured) &&
+           (is_awake(tick, work, row_of(state, joint.body_a)) || is_awake(tick, work, row_of(state, joint.body_b)));
+  };
+  for (const std::uint32_t i : work.awake_contacts) {
+    const ContactPair& pair = tick.contact_pairs[i];
     if (!carries(pair)) continue;
     ++start[pair.body_a + 2];
     ++start[pair.body_b + 2];
   }
   for (const JointRow& joint : state.joints) {
-    if (!supports(joint, is_measured)) continue;
+    if (!is_joint_listed(joint)) continue;
     ++start[row_of(state, joint.body_a) + 2];
     ++start[row_of(state, joint.body_b) + 2];
   }
   for (std::size_t i = 2; i < start.size(); ++i) start[i] += start[i - 1];
   work.supports.resize(start.back());
-  for (std::size_t i = 0; i < tick.contact_pairs.size(); ++i) {
+  for (const std::uint32_t i : work.awake_contacts) {
     const ContactPair& pair = tick.contact_pairs[i];
     if (!carries(pair)) continue;
     const ContactRow& contact = state.contacts[i];
     const Real force = is_measured ? contact.normal_force[0] + contact.normal_force[1] : Real(0);
-    const Real compliance = contact_compliance(model, state, pair, h);
+    const Real compliance = contact_compliance(model, state, work, pair, h);
     const ManifoldPoint& p = pair.manifold.points[0];
     const ManifoldPoint& q = pair.manifold.points[pair.manifold.point_count - 1];
     const Real half_width2 = length_squared(Real(0.5) * (q.anchor_a - p.anchor_a));
@@ -96,7 +101,7 @@ void list_supports(const Model& model, const State& state, TickLists& tick, Isla
   }
   for (std::size_t i = 0; i < state.joints.size(); ++i) {
     const JointRow& joint = state.joints[i];
-    if (!supports(joint, is_measured)) continue;
+    if (!is_joint_listed(joint)) continue;
     const bool is_direct = i < work.direct.is_direct.size() && work.direct.is_direct[i] != 0;
     const std::uint32_t a = row_of(state, joint.body_a);
     const std::uint32_t b = row_of(state, joint.body_b);
@@ -159,7 +164,7 @@ void find_depths(const Model& model, const State& state, IslandWork& work) {
   work.support_depth.assign(state.bodies.size(), not_carried);
   work.support_order.clear();
   for (std::uint32_t row = 0; row < state.bodies.size(); ++row)
-    if (type_of(model, state, row) != BodyType::dynamic_body) {
+    if (!is_dynamic(work, row)) {
       work.support_depth[row] = 0;
       work.support_order.push_back(row);
     }

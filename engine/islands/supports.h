@@ -13,7 +13,8 @@ namespace ticktrue::engine::TICKTRUE_PRECISION {
 inline constexpr int reference_substeps = 4;
 inline constexpr std::uint32_t not_carried = 0xffffffff;
 
-/// Lists, for each body, the bodies that it touches or is joined to. `h`: s, of a substep at reference_substeps.
+/// Lists, for each body of an island that is solved, the bodies that it touches or is joined to. `h`: s, of a substep
+/// at reference_substeps.
 void list_supports(const Model& model, const State& state, TickLists& tick, IslandWork& work, Real h);
 
 /// Whether a joint's bodies move along an axis.

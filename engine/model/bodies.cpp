@@ -27,7 +27,7 @@ void prepare_bodies(const Model& model, const State& state, const TickLists& tic
   bodies.records.resize(dummy_sink(bodies, tick.parallel.chunk_count_max(longest)));
   const std::uint32_t dummy = dummy_body(bodies);
   const std::uint32_t sink = dummy_sink(bodies);
-  const bool raises = model.scene.settings.auto_substeps.has_value();
+  const bool raises = tick.has_solver_sets && model.scene.settings.auto_substeps;
   tick.parallel.for_chunks(count, chunk_of_bodies(tick, count), [&](const Chunk& chunk) {
     for (std::size_t row = chunk.begin; row < chunk.end; ++row) {
       const BodyRow& body = state.bodies[row];
@@ -37,7 +37,7 @@ void prepare_bodies(const Model& model, const State& state, const TickLists& tic
       bodies.masses[row] = {constants.inv_mass, constants.inv_inertia,
                             constants.type == BodyType::static_body ? dummy : record,
                             constants.type == BodyType::dynamic_body ? record : sink};
-      if (!raises) continue;
+      if (!raises || tick.mass_factor[row] == 1) continue;
       const Real share = 1 / tick.mass_factor[row];
       bodies.masses[row].inv_mass *= share;
       bodies.masses[row].inv_inertia *= share;

@@ -287,7 +287,9 @@ Model make_model(const Scene& scene) {
 
   model.restitution_threshold = static_cast<Real>(scene.settings.restitution_threshold);
   model.can_collide = info_of(solvers, scene.settings.solver).solves_constraints && engine::can_collide(scene);
-  model.finds_islands = scene.settings.auto_substeps.has_value() || scene.settings.sleep.has_value();
+  // Without contacts and joints nothing carries anything, so that all islands have the least substeps.
+  const bool chooses_substeps = scene.settings.auto_substeps && (model.can_collide || !scene.joints.empty());
+  model.finds_islands = chooses_substeps || scene.settings.sleep.has_value();
   model.takes_inputs = !scene.inputs.empty();
   model.has_pointer = scene.pointer.has_value();
   if (scene.pointer)

@@ -51,6 +51,9 @@ struct TickLists {
   std::span<const ContactPair> contact_pairs;  // parallel to State::contacts
   std::uint32_t contact_generation = 0;        // a different number whenever the contacts have changed
 
+  // Written by the solver.
+  std::vector<std::uint32_t> deep_counts;  // [body] deep overlaps with moving bodies; empty without a crowd
+
   // Written by the search for impacts.
   std::vector<ImpactPair> impacts;  // pairs that may hit in this tick
 
@@ -60,7 +63,7 @@ struct TickLists {
   std::vector<std::uint32_t> set_rows;         // moving bodies of each set; kinematic bodies are in all sets
   std::vector<std::uint32_t> set_contacts;     // in `contact_pairs`
   std::vector<std::uint32_t> body_solver_set;  // [body] index in `solver_sets`; no_solver_set: asleep or static
-  std::vector<std::uint32_t> island_parent;    // [body] union-find
+  std::vector<std::uint32_t> island;           // [body] the first row of its island
   std::vector<std::uint32_t> island_level;     // [body] at the island's first row: substeps
   std::vector<std::uint8_t> island_has_resting_impact;  // [body] at the island's first row
   std::vector<RestingImpact> resting_impacts;
@@ -74,12 +77,12 @@ struct TickLists {
 template <typename Visit>
 void list_fields(TickLists& of, const Visit& visit) {
   auto& [parallel, pair_count_max, inputs, force, torque, removed_touching, removed_sensors, injected, proxies, pairs,
-         has_too_many_pairs, changes, contact_pairs, contact_generation, impacts, has_solver_sets, solver_sets,
-         set_rows, set_contacts, body_solver_set, island_parent, island_level, island_has_resting_impact,
+         has_too_many_pairs, changes, contact_pairs, contact_generation, deep_counts, impacts, has_solver_sets,
+         solver_sets, set_rows, set_contacts, body_solver_set, island, island_level, island_has_resting_impact,
          resting_impacts, shock_work_left, shock_is_cut, load, mass_factor] = of;
   visit(force, torque, removed_touching, removed_sensors, proxies, pairs, has_too_many_pairs, changes, contact_pairs,
-        contact_generation, impacts, has_solver_sets, solver_sets, set_rows, set_contacts, body_solver_set,
-        island_parent, island_level, island_has_resting_impact, resting_impacts, shock_work_left, shock_is_cut, load,
+        contact_generation, deep_counts, impacts, has_solver_sets, solver_sets, set_rows, set_contacts, body_solver_set,
+        island, island_level, island_has_resting_impact, resting_impacts, shock_work_left, shock_is_cut, load,
         mass_factor);
 }
 

@@ -25,7 +25,7 @@ Vec2 farthest_vertex(const Hull& hull, Vec2 direction) {
 }  // namespace
 
 Distance distance(const Model& model, const ShapeModel& shape_a, const Placement& pose_a, const ShapeModel& shape_b,
-                  const Placement& pose_b) {
+                  const Placement& pose_b, Real enough) {
   HullBuffer buffer_a, buffer_b;
   // Coordinates relative to A's position: differences of small numbers are more exact.
   const Hull a = core_of(model, shape_a, {{0, 0}, pose_a.rotation}, buffer_a);
@@ -49,6 +49,11 @@ Distance distance(const Model& model, const ShapeModel& shape_a, const Placement
     }
     has_axis = true;
   }
+  const Real radii = shape_a.radius + shape_b.radius;
+  if (has_axis && best.separation - radii > enough) {
+    best.separation = best.separation - radii;
+    return best;
+  }
   const ClosestPoints closest = closest_points(a, b);
   if (!has_axis || best.separation > 0) {
     const Real gap = square_root(closest.distance_squared);
@@ -70,11 +75,11 @@ Distance distance(const Model& model, const ShapeModel& shape_a, const Placement
   // Parallel faces touch in the middle of their common width; other shapes touch midway between the closest features.
   if (a.count > 1 && b.count > 1) {
     const Real tolerance = Real(1e-3) * pair_size(shape_a, shape_b);
-    const Manifold faces = between_edges(a, shape_a.radius, b, shape_b.radius, best.normal,
-                                         (best.separation - (shape_a.radius + shape_b.radius)) + tolerance);
+    const Manifold faces =
+        between_edges(a, shape_a.radius, b, shape_b.radius, best.normal, (best.separation - radii) + tolerance);
     if (faces.point_count == 2) {
       best.point = pose_a.position + Real(0.5) * (faces.points[0].anchor_a + faces.points[1].anchor_a);
-      best.separation = best.separation - (shape_a.radius + shape_b.radius);
+      best.separation = best.separation - radii;
       return best;
     }
   }
@@ -85,7 +90,7 @@ Distance distance(const Model& model, const ShapeModel& shape_a, const Placement
     middle = deepest + (axis_is_of_a ? Real(-0.5) : Real(0.5)) * best.separation * best.normal;
   }
   best.point = pose_a.position + middle + (Real(0.5) * (shape_a.radius - shape_b.radius)) * best.normal;
-  best.separation = best.separation - (shape_a.radius + shape_b.radius);
+  best.separation = best.separation - radii;
   return best;
 }
 

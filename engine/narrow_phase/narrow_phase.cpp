@@ -76,10 +76,10 @@ void write_row(const BodyRow& a, std::uint32_t child_a, const BodyRow& b, std::u
 }  // namespace
 
 Manifold collide(const Model& model, const ShapeModel& a, const ShapeModel& b, const BodyRow& body_a,
-                 const BodyRow& body_b, Real gravity_displacement) {
+                 const BodyRow& body_b, Real gravity_displacement, Real reach) {
   const Placement b_in_a{rotate_back(body_a.rotation, body_b.position - body_a.position),
                          between(body_a.rotation, body_b.rotation)};
-  const Real margin = speculative_margin(pair_size(a, b), gravity_displacement);
+  const Real margin = speculative_margin(pair_size(a, b), gravity_displacement) + reach;
   Manifold manifold = collide_functions[row_of(a.family)][row_of(b.family)](model, a, b, b_in_a, margin);
   manifold.normal = rotate(body_a.rotation, manifold.normal);
   const Vec2 a_from_b = body_a.position - body_b.position;
@@ -392,7 +392,7 @@ class ContactWriter {
   void collide_pair(const BoxManifolds& boxes, const Pair& pair, std::uint8_t place, Manifold& manifold) const {
     if (place != no_place) {
       boxes.write(place, manifold);
-      if (!search_.speculates || manifold.point_count != 0) return;
+      if (!search_.speculates || manifold.point_count == 2) return;
     }
     const Proxy& a = proxies_[pair.first];
     const Proxy& b = proxies_[pair.second];
@@ -402,9 +402,13 @@ class ContactWriter {
     const BodyRow& body_b = bodies_[b.body];
     if (place == no_place)
       new (&manifold) Manifold(collide(search_.model, shape_a, shape_b, body_a, body_b, search_.gravity_displacement));
-    if (search_.speculates && manifold.point_count == 0)
+    if (!search_.speculates) return;
+    if (manifold.point_count == 0)
       manifold = speculative_manifold(search_.model, shape_a, shape_b, body_a, body_b, search_.gravity_displacement,
                                       search_.dt);
+    else
+      add_later_point(search_.model, shape_a, shape_b, body_a, body_b, search_.gravity_displacement, search_.dt,
+                      manifold);
   }
 
   /// Writes the contact of a pair. Requires: its manifold is found, unless the pair is unchanged.

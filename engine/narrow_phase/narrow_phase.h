@@ -56,9 +56,9 @@ Manifold collide_chain_hull(const Model& model, const ShapeModel& a, const Shape
                             Real margin);
 
 /// The manifold of two shapes of two bodies, in world axes, with anchors from each centre of mass.
-/// `gravity_displacement`: gravity_displacement_of_tick.
+/// `gravity_displacement`: gravity_displacement_of_tick. `reach`: by which the margin is larger, m.
 Manifold collide(const Model& model, const ShapeModel& a, const ShapeModel& b, const BodyRow& body_a,
-                 const BodyRow& body_b, Real gravity_displacement);
+                 const BodyRow& body_b, Real gravity_displacement, Real reach = 0);
 
 /// A normal of a chain edge.
 struct EdgeNormal {

@@ -12,4 +12,10 @@ namespace ticktrue::engine::TICKTRUE_PRECISION {
 Manifold speculative_manifold(const Model& model, const ShapeModel& a, const ShapeModel& b, const BodyRow& body_a,
                               const BodyRow& body_b, Real gravity_displacement, Real dt);
 
+/// Adds the second point of two shapes that touch or will be close at one point, if the second point may close within
+/// dt. A body that lands on one corner turns about it, and its next corner would overlap deeply before its first
+/// contact. `manifold`: of these poses.
+void add_later_point(const Model& model, const ShapeModel& a, const ShapeModel& b, const BodyRow& body_a,
+                     const BodyRow& body_b, Real gravity_displacement, Real dt, Manifold& manifold);
+
 }  // namespace ticktrue::engine::TICKTRUE_PRECISION

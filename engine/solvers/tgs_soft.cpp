@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: MIT
 // Source: Macklin et al., "Small Steps in Physics Simulation", 2019 (substeps); Catto, "Solver2D", 2024 (soft step,
 // relax). Cost per tick: bodies 2 + 2n, contacts 2 + 3n, n = substep count.
+#include "engine/contacts/crowds.h"
 #include "engine/integrators/flow.h"
 #include "engine/integrators/integrator.h"
 #include "engine/islands/solver_sets.h"
@@ -31,6 +32,7 @@ void solve_in_turn(SolvedSet& solved, TickLists& tick, SolverWork& work, State& 
     warm_start_gears(solved, gears);
     warm_start_mouse_joints(mouse_joints, bodies);
     warm_start_contacts(solved, contacts);
+    save_before_push(solved, contacts);
     for (int turn = 0; turn < direct.turn_count; ++turn) {  // one, unless something acts on bodies of direct joints
       if (direct.turn_count > 1) solve_direct(solved, motion, direct);
       for (std::uint32_t i = 0; i < set.joint_iterations; ++i) {
@@ -47,6 +49,7 @@ void solve_in_turn(SolvedSet& solved, TickLists& tick, SolverWork& work, State& 
     scheme.drift(solved, motion, set.h);  // x += h v
     finish_impacts(solved, impacts);
     end_direct_move(solved, direct);
+    take_back_pushes(solved, contacts);
     for (int turn = 0; turn < direct.turn_count; ++turn) {
       if (turn > 0) project_direct(solved, direct);
       solve_joints(solved, joints, Bias::off);
@@ -66,6 +69,7 @@ void solve_tgs_soft(const Model& model, State& state, TickLists& tick, SolverWor
   prepare_bodies(model, state, tick, work.bodies);
   begin_motion(state, work.motion);
   if (!tick.has_solver_sets) put_all_into_one_set(model, state, work.bodies, tick);
+  find_crowds(model, state, tick);
   clear_contacts(work.contacts.batches);
   find_direct_joints(model, state, work.direct);
   const bool some_are_free = find_constrained(model, state, tick, work.free_bodies);

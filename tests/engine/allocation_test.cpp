@@ -76,7 +76,7 @@ void check_settled(const engine::Scene& scene, const engine::EngineOptions& opti
   const auto engine = make_engine_or_fail(scene, options);
   const TickInput input{scene.settings.dt, {}};
   // Enough ticks to reach the largest memory use of this scene.
-  for (int tick = 0; tick < 400; ++tick) REQUIRE(engine->step(input, nullptr));
+  for (int tick = 0; tick < 600; ++tick) REQUIRE(engine->step(input, nullptr));
   const std::size_t before = allocation_count;
   bool did = true;
   for (int tick = 0; tick < 20; ++tick) did = engine->step(input, nullptr) && did;

@@ -383,3 +383,21 @@ TEST_CASE("a body asleep on a spring wakes when the kinematic body at its other 
   for (int tick = 0; tick < 60; ++tick) REQUIRE(engine->step(nothing, nullptr));
   CHECK(engine->bodies()[0].center.y > 0.5);  // it follows the other body, which is 1 m higher
 }
+
+TEST_CASE("where bodies sleep after no time at all, what moves does not sleep", "[engine][sleep]") {
+  Scene scene = empty_scene(Precision::f32);
+  scene.settings.sleep.emplace();
+  scene.settings.sleep->after_s = 0;
+  scene.bodies = {ground(), body_of(disc_shape(0.5), {0, 10})};
+  scene.bodies[1].velocity = {3, 0};
+  const auto falling = make_engine_or_fail(scene);
+  run_ticks(*falling, 30);
+  CHECK(falling->bodies()[1].center.y == Approx(10 - 5 * 0.5 * 0.5).epsilon(0.02));
+
+  scene.gravity = {0, 0};  // a kinematic disc pushes one that sleeps
+  scene.bodies = {body_of(disc_shape(0.5), {0, 1.5}, BodyType::kinematic_body), body_of(disc_shape(0.5), {0, 0.4})};
+  scene.bodies[0].velocity = {0, -1};
+  const auto pushed = make_engine_or_fail(scene);
+  run_ticks(*pushed, 120);
+  CHECK(pushed->bodies()[0].center.y - pushed->bodies()[1].center.y > 0.95);
+}

@@ -111,6 +111,34 @@ TEST_CASE("held islands use no substep of their budget, and save it for what lan
   }
 }
 
+TEST_CASE("a held island keeps its needs while another island moves", "[engine][islands][held]") {
+  Scene scene = tower(20);
+  for (const double x : {30.0, 31.0}) {  // two discs that roll to and fro in a bowl
+    Body disc = body_of(disc_shape(0.2), {x, 6});
+    disc.can_sleep = false;
+    scene.bodies.push_back(disc);
+  }
+  scene.bodies.push_back(
+      body_of(chain_shape({{36, 8}, {33, 2}, {30, 1}, {27, 2}, {24, 8}}), {0, 0}, BodyType::static_body));
+  const auto engine = make_engine_or_fail(scene);
+  run_ticks(*engine, 180);
+  const auto needs = [&] {  // of the tower's boxes, which are rows 1 to 20
+    const StateView& view = engine->state();
+    Bytes bytes;
+    for (std::size_t table = 0; table < view.tables.size(); ++table) {
+      const std::string& name = view.schema->tables[table].name;
+      if (name != "substeps" && name != "loads" && name != "bodies") continue;
+      const std::size_t size = view.schema->tables[table].row_size;
+      bytes.insert(bytes.end(), view.tables[table].data + size, view.tables[table].data + 21 * size);
+    }
+    return bytes;
+  };
+  const Bytes before = needs();
+  run_ticks(*engine, 120);
+  CHECK_FALSE(all_stand_still(*engine));
+  CHECK(needs() == before);
+}
+
 TEST_CASE("a press that is stalled is held, and goes on when its load is removed", "[engine][islands][held]") {
   Scene scene = tower(3);
   scene.inputs = {InputKind::remove};

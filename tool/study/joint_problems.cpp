@@ -94,6 +94,7 @@ Problem double_pendulum(std::string name, double start, const double* numbers) {
   };
   problem.slope = 1;
   problem.slope_of_higher = 2;  // the impulses of rods move bodies for the whole step (Andersen 1983)
+  problem.substeps_max = 256;   // from 120 degrees the order shows beyond 32 substeps
   set_bars(problem, 0.02, 10 * (1 + 2) * (start < 2 ? 1 : 1.5) / 100);  // 1 % of the energy of the fall
   return problem;
 }

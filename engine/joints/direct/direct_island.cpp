@@ -640,11 +640,14 @@ void end_push(DirectIsland& island) {
     const DirectBody& body = island.bodies[i];
     pushed += double_energy(body, island.push[i]) + body.mass * (push_body_speed * push_body_speed);
   }
-  for (std::size_t i = 0; i < island.joints.size(); ++i)
-    for (std::size_t row = 0; row < island.joints[i].equations.row_count; ++row)
-      apply_row(island, island.joints[i], row, -island.push_impulses[i][row]);
+  // Free islands keep their angular momentum: the impulses are taken off at the new poses. Where something holds an
+  // island, that would feed its sway, since a pull on a chain turns with the chain: a taut bridge was thrown upwards.
+  if (island.is_free)
+    for (std::size_t i = 0; i < island.joints.size(); ++i)
+      for (std::size_t row = 0; row < island.joints[i].equations.row_count; ++row)
+        apply_row(island, island.joints[i], row, -island.push_impulses[i][row]);
   // Rows that contradict each other have impulses without bound, which cancel at the old poses alone.
-  if (!(energy_demand(island, 0).asked <= own_energy_share * pushed))
+  if (!island.is_free || !(energy_demand(island, 0).asked <= own_energy_share * pushed))
     for (std::size_t i = 0; i < island.moving_count; ++i)
       for (std::size_t k = 0; k < 3; ++k)
         island.bodies[i].velocity[k] = island.saved_velocities[i][k] - island.push[i][k];

@@ -57,6 +57,14 @@ bool passes(const Shot& shot) {
   return false;
 }
 
+// The deepest overlap at the end of the tick, m.
+double deepest_of(const Engine& engine) {
+  double deepest = 0;
+  for (const ContactReport& contact : engine.contacts())
+    for (int i = 0; i < contact.point_count; ++i) deepest = std::fmax(deepest, -contact.separation[i]);
+  return deepest;
+}
+
 Scene bouncing_disc(Precision precision, double height, double restitution) {
   Scene scene = empty_scene(precision);
   scene.settings.locate_impacts = true;
@@ -333,5 +341,42 @@ TEST_CASE("a large body that is hit too often in a substep stops what hits it", 
     CHECK(above == count);
     if (count == 60) CHECK(bounced == count);
     if (count == 400) CHECK(bounced < count);  // the last impacts of the others were not located
+  }
+}
+
+TEST_CASE("bouncing bodies that overlap are pushed apart where impacts are located", "[engine][impacts]") {
+  for (const Precision precision : {Precision::f32, Precision::f64})
+    for (const double restitution : {0.25, 1.0}) {
+      CAPTURE(precision, restitution);
+      Scene scene = empty_scene(precision);
+      scene.gravity = {0, 0};
+      scene.settings.locate_impacts = true;
+      for (const double x : {0.0, 0.6}) {
+        Shape disc = disc_shape(0.5);
+        disc.material.restitution = restitution;
+        scene.bodies.push_back(body_of(disc, {x, 0}));
+      }
+      const auto engine = make_engine_or_fail(scene);
+      run_ticks(*engine, 120);
+      CHECK(deepest_of(*engine) <= 0.02);
+    }
+}
+
+TEST_CASE("a bouncing box rests on the floor where impacts are located and no speed is too small to bounce",
+          "[engine][impacts]") {
+  for (const Precision precision : {Precision::f32, Precision::f64}) {
+    CAPTURE(precision);
+    Scene scene = empty_scene(precision);
+    scene.gravity = {0, -40};
+    scene.settings.locate_impacts = true;
+    scene.settings.restitution_threshold = 0;
+    scene.bodies.push_back(ground());
+    Body box = body_of(box_shape(0.5, 0.5), {-18.5, 0.5});
+    box.shapes[0].material.restitution = 0.25;
+    box.velocity = {0, 0.004};
+    scene.bodies.push_back(box);
+    const auto engine = make_engine_or_fail(scene);
+    run_ticks(*engine, 600);
+    CHECK(engine->bodies()[1].center.y > 0.49);
   }
 }

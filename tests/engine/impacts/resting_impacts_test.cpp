@@ -225,3 +225,25 @@ TEST_CASE("boxes that begin deep inside the ground and each other make states th
     }
   }
 }
+
+TEST_CASE("a box that lands on one corner does not sink in with the next", "[engine][impacts][islands]") {
+  for (const Precision precision : {Precision::f32, Precision::f64})
+    for (const double angle : {0.02, 0.05, 0.1, 0.2, 0.4})
+      for (const double speed : {3.0, 8.0, 13.0}) {
+        CAPTURE(precision, angle, speed);
+        Scene scene = stack_scene(3, 0, precision);
+        engine::choose_substeps(scene.settings);
+        Body box = body_of(box_shape(0.6, 0.4), {0.1, 4.5});
+        box.angle = angle;
+        box.velocity = {0, -speed};
+        scene.bodies.push_back(box);
+        const auto engine = make_engine_or_fail(scene);
+        double deepest = 0;
+        for (int tick = 0; tick < 60; ++tick) {
+          run_ticks(*engine, 1);
+          for (const engine::ContactReport& contact : engine->contacts())
+            for (int i = 0; i < contact.point_count; ++i) deepest = std::max(deepest, -contact.separation[i]);
+        }
+        CHECK(deepest < 0.02);
+      }
+}

@@ -1,0 +1,100 @@
+// Bodies put down in one place part slowly.
+// SPDX-License-Identifier: MIT
+#include <algorithm>
+#include <cmath>
+
+#include "base/random.h"
+#include "tests/support/catch.h"
+#include "tests/support/engine_runs.h"
+#include "tests/support/joints.h"
+#include "tests/support/scenes.h"
+
+using namespace ticktrue;
+using namespace ticktrue::test;
+using engine::BodyReport;
+using engine::Engine;
+
+namespace {
+
+constexpr int five_seconds = 300;  // ticks
+
+// Bodies of 1 m within `spread` m of (0, 2), in free space or above a ground.
+Scene crowd_of(int count, const Shape& shape, double spread, bool has_ground, Precision precision) {
+  Random random(7);
+  Scene scene = empty_scene(precision);
+  if (has_ground)
+    scene.bodies.push_back(ground());
+  else
+    scene.gravity = {0, 0};
+  for (int i = 0; i < count; ++i)
+    scene.bodies.push_back(body_of(shape, {random.real(-spread, spread), 2 + random.real(-spread, spread)}));
+  return scene;
+}
+
+double fastest(const Engine& engine) {
+  double most = 0;
+  for (const BodyReport& body : engine.bodies()) most = std::max(most, std::hypot(body.velocity.x, body.velocity.y));
+  return most;
+}
+
+Point momentum_of(const Engine& engine) {
+  Point sum{0, 0};
+  for (const BodyReport& body : engine.bodies()) sum = {sum.x + body.velocity.x, sum.y + body.velocity.y};
+  return sum;
+}
+
+double deepest_overlap(const Engine& engine) {
+  double deepest = 0;
+  for (const engine::ContactReport& contact : engine.contacts())
+    for (int i = 0; i < contact.point_count; ++i) deepest = std::max(deepest, -contact.separation[i]);
+  return deepest;
+}
+
+}  // namespace
+
+TEST_CASE("10, 50 and 200 discs in one place part at less than 10 m/s", "[engine][contacts][crowds]") {
+  for (const Precision precision : {Precision::f32, Precision::f64})
+    for (const bool has_ground : {false, true})
+      for (const int count : {10, 50, 200}) {
+        CAPTURE(precision, has_ground, count);
+        const auto engine = make_engine_or_fail(crowd_of(count, disc_shape(0.5), 0, has_ground, precision));
+        double most = 0;
+        for (int tick = 0; tick < five_seconds; ++tick) {
+          run_ticks(*engine, 1);
+          most = std::max(most, fastest(*engine));
+        }
+        CHECK(most < 10);
+        CHECK(most > 0.5);  // they do part
+        if (!has_ground) {
+          const Point sum = momentum_of(*engine);
+          CHECK(std::hypot(sum.x, sum.y) < 1e-3 * count);
+        }
+      }
+}
+
+TEST_CASE("a crowd of 50 that is not in one point is apart after five seconds", "[engine][contacts][crowds]") {
+  for (const bool is_automatic : {false, true})
+    for (const Shape& shape : {disc_shape(0.5), box_shape(0.5, 0.5)}) {
+      CAPTURE(is_automatic);
+      Scene scene = crowd_of(50, shape, 1, false, Precision::f32);
+      if (is_automatic) engine::choose_substeps(scene.settings);
+      const auto engine = make_engine_or_fail(scene);
+      double most = 0;
+      for (int tick = 0; tick < five_seconds; ++tick) {
+        run_ticks(*engine, 1);
+        most = std::max(most, fastest(*engine));
+      }
+      CHECK(most < 10);
+      CHECK(deepest_overlap(*engine) < 0.01);
+    }
+}
+
+TEST_CASE("two bodies inside each other are no crowd", "[engine][contacts][crowds]") {
+  // The push of a pair is removed by the relax pass: what is left of it is small.
+  Scene scene = crowd_of(2, disc_shape(0.5), 0, false, Precision::f64);
+  scene.bodies[1].position.x += 0.2;
+  const auto engine = make_engine_or_fail(scene);
+  run_ticks(*engine, five_seconds);
+  CHECK(fastest(*engine) < 3);
+  CHECK(deepest_overlap(*engine) < 0.01);
+}
