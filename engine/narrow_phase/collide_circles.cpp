@@ -1,6 +1,7 @@
 // Contacts that involve a circle.
 // SPDX-License-Identifier: MIT
 // Source: Ericson, "Real-Time Collision Detection", 2005, section 5.1 (closest points and Voronoi regions).
+#include "engine/math/trig.h"
 #include "engine/narrow_phase/narrow_phase.h"
 
 namespace ticktrue::engine::TICKTRUE_PRECISION {
@@ -14,7 +15,7 @@ Manifold between_rounds(Vec2 center_a, Real radius_a, Vec2 center_b, Real radius
   const Real distance = length(offset);
   const Real separation = distance - radius_a - radius_b;
   if (!(separation <= margin)) return manifold;
-  // Coincident centres have no direction between them; any fixed direction separates them.
+  // Coincident centres have no direction between them; any direction separates them: see parting_direction.
   manifold.normal = distance > 0 ? (1 / distance) * offset : Vec2{0, 1};
   const Vec2 on_a = center_a + radius_a * manifold.normal;
   const Vec2 on_b = center_b - radius_b * manifold.normal;
@@ -27,6 +28,24 @@ Manifold between_rounds(Vec2 center_a, Real radius_a, Vec2 center_b, Real radius
 
 Manifold collide_circles(const Model&, const ShapeModel& a, const ShapeModel& b, const Placement& b_in_a, Real margin) {
   return between_rounds(a.center, a.radius, b_in_a.position + rotate(b_in_a.rotation, b.center), b.radius, margin, 0);
+}
+
+Vec2 parting_direction(std::uint32_t id_a, std::uint32_t id_b) {
+  constexpr double golden_angle = 2.39996322972865332;  // rad
+  constexpr std::uint32_t seed_count = 1u << 16;        // keeps the angles small
+  struct Seed {
+    double x, y;
+  };
+  const auto seed_of = [&](std::uint32_t id) {
+    const double number = id % seed_count;
+    const SinCos angle = sin_cos(number * golden_angle);
+    return Seed{__builtin_sqrt(number) * angle.cos, __builtin_sqrt(number) * angle.sin};
+  };
+  const Seed a = seed_of(id_a), b = seed_of(id_b);
+  const double x = b.x - a.x, y = b.y - a.y;
+  const double distance = __builtin_sqrt(x * x + y * y);
+  if (!(distance > 0)) return {0, 1};
+  return {static_cast<Real>(x / distance), static_cast<Real>(y / distance)};
 }
 
 Manifold collide_polygon_circle(const Model& model, const ShapeModel& a, const ShapeModel& b, const Placement& b_in_a,

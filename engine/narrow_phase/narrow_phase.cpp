@@ -73,6 +73,12 @@ void write_row(const BodyRow& a, std::uint32_t child_a, const BodyRow& b, std::u
   }
 }
 
+/// Whether a manifold is that of two circles whose centres are the same, up to rounding.
+bool is_in_one_point(const Manifold& manifold, const ShapeModel& a, const ShapeModel& b) {
+  return manifold.points[0].separation == -a.radius - b.radius && manifold.point_count == 1 &&
+         a.family == ShapeFamily::circle && b.family == ShapeFamily::circle;
+}
+
 }  // namespace
 
 Manifold collide(const Model& model, const ShapeModel& a, const ShapeModel& b, const BodyRow& body_a,
@@ -87,6 +93,13 @@ Manifold collide(const Model& model, const ShapeModel& a, const ShapeModel& b, c
     ManifoldPoint& point = manifold.points[i];
     point.anchor_a = rotate(body_a.rotation, point.anchor_a);
     point.anchor_b = point.anchor_a + a_from_b;
+  }
+  if (is_in_one_point(manifold, a, b)) {
+    const Vec2 normal = parting_direction(body_a.id, body_b.id);
+    const Vec2 shift = Real(0.5) * (a.radius - b.radius) * (normal - manifold.normal);
+    manifold.normal = normal;
+    manifold.points[0].anchor_a = manifold.points[0].anchor_a + shift;
+    manifold.points[0].anchor_b = manifold.points[0].anchor_b + shift;
   }
   return manifold;
 }

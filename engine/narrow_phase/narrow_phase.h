@@ -34,6 +34,10 @@ struct Placement {
 /// from A to B. No points if the shapes are farther apart than `margin`. Requires: the kinds in the function's name.
 using CollideFunction = Manifold (*)(const Model& model, const ShapeModel& a, const ShapeModel& b,
                                      const Placement& b_in_a, Real margin);
+/// The direction in which two circles in one point part: that between the seeds of a sunflower with the numbers of
+/// their bodies' ids. With one direction for all, many circles in one point would part as a row, which takes as long as
+/// it is. Source: Vogel, "A better way to construct the sunflower head", 1979, equation 1.
+Vec2 parting_direction(std::uint32_t id_a, std::uint32_t id_b);
 Manifold collide_circles(const Model& model, const ShapeModel& a, const ShapeModel& b, const Placement& b_in_a,
                          Real margin);
 Manifold collide_polygon_circle(const Model& model, const ShapeModel& a, const ShapeModel& b, const Placement& b_in_a,
