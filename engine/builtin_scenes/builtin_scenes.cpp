@@ -19,25 +19,31 @@ const std::array<BuiltinScene, 25> scenes{{
      "the thesis' window: fixed disc, block, floor and walls; a mouse adds circles, boxes, polygons",
      {},
      build_thesis},
-    {"stack", "boxes on top of each other", stack_parameters, build_stack, true},
-    {"pyramid", "a pyramid of 1 m boxes", pyramid_parameters, build_pyramid, true},
-    {"large_pyramid", "a pyramid of 5,050 boxes, as benchmarked in Box2D", {}, build_large_pyramid, true},
+    {"stack", "boxes on top of each other", stack_parameters, build_stack, default_substep_budget},
+    {"pyramid", "a pyramid of 1 m boxes", pyramid_parameters, build_pyramid, default_substep_budget},
+    {"large_pyramid",
+     "a pyramid of 5,050 boxes, as benchmarked in Box2D",
+     {},
+     build_large_pyramid,
+     default_substep_budget},
     {"many_pyramids", "400 pyramids of 55 boxes, as benchmarked in Box2D", many_pyramids_parameters,
-     build_many_pyramids, true},
-    {"circles", "a grid of circles falls into a tub made of circles", circles_parameters, build_circles},
-    {"mixed_pile", "circles, boxes and polygons fall into a container", mixed_pile_parameters, build_mixed_pile, true},
+     build_many_pyramids, default_substep_budget},
+    {"circles", "a grid of circles falls into a tub made of circles", circles_parameters, build_circles, 12},
+    {"mixed_pile", "circles, boxes and polygons fall into a container", mixed_pile_parameters, build_mixed_pile,
+     default_substep_budget},
     {"projectile", "balls in free flight", projectile_parameters, build_projectile},
     {"billiards", "a disc hits fifteen, elastic and without friction", billiards_parameters, build_billiards},
-    {"slide", "a box slides to rest", slide_parameters, build_slide, true},
-    {"shapes", "every shape falls into a tub made of a chain", shapes_parameters, build_shapes, true},
-    {"sensors", "balls fall through two sensors onto a conveyor; events are told", sensors_parameters, build_sensors},
+    {"slide", "a box slides to rest", slide_parameters, build_slide, default_substep_budget},
+    {"shapes", "every shape falls into a tub made of a chain", shapes_parameters, build_shapes, default_substep_budget},
+    {"sensors", "balls fall through two sensors onto a conveyor; events are told", sensors_parameters, build_sensors,
+     default_substep_budget},
     {"pendulum", "a disc on a rod of 1 m", pendulum_parameters, build_pendulum},
-    {"chain", "links hang from a peg, or swing down", chain_parameters, build_chain, true},
+    {"chain", "links hang from a peg, or swing down", chain_parameters, build_chain, default_substep_budget},
     {"bridge", "planks pinned end to end between two pegs", bridge_parameters, build_bridge},
     {"joint_grid", "a net of discs hangs from seven of its own; columns=100 is benchmarked in Box2D",
      joint_grid_parameters, build_joint_grid},
     {"card_house", "thin cards lean against each other, floor upon floor", card_house_parameters, build_card_house,
-     true},
+     default_substep_budget},
     {"thesis_mix", "circles, boxes and polygons of the thesis fall into its window, widened for more than 150 of them",
      thesis_mix_parameters, build_thesis_mix},
     {"tumbler", "2,025 boxes in a turning drum, as benchmarked in Box2D", tumbler_parameters, build_tumbler},
@@ -47,7 +53,8 @@ const std::array<BuiltinScene, 25> scenes{{
     {"rain", "a thousand jointed figures fall onto five floors, after Box2D's benchmark", rain_parameters, build_rain},
     {"gas", "discs without friction fly about between four walls", gas_parameters, build_gas},
     {"loose", "boxes drift and hardly ever touch", loose_parameters, build_loose},
-    {"resting", "many boxes sleep, a few discs go on bouncing", resting_parameters, build_resting},
+    {"resting", "many boxes sleep, a few discs go on bouncing", resting_parameters, build_resting,
+     default_substep_budget},
 }};
 
 // ---- Reading `name?key=value` ----
@@ -131,7 +138,7 @@ Status read_argument(std::string_view text, std::string_view key, std::string_vi
   return usage(text, "unknown parameter: found \"" + std::string(key) + "\", expected " + known);
 }
 
-void apply_settings(const SceneArguments& arguments, bool automatic, Scene& scene) {
+void apply_settings(const SceneArguments& arguments, int automatic_budget, Scene& scene) {
   Settings& settings = scene.settings;
   if (arguments.precision) settings.precision = *arguments.precision;
   if (arguments.dt) settings.dt = *arguments.dt;
@@ -139,7 +146,12 @@ void apply_settings(const SceneArguments& arguments, bool automatic, Scene& scen
   const bool has_substeps = info_of(solvers, settings.solver).substeps;
   if (!has_substeps) settings.substeps = 1;
   if (arguments.substeps) settings.substeps = *arguments.substeps;
-  if (arguments.auto_substeps || (automatic && has_substeps && !arguments.substeps)) choose_substeps(settings);
+  if (arguments.auto_substeps) {
+    choose_substeps(settings);
+  } else if (automatic_budget > 0 && has_substeps && !arguments.substeps) {
+    choose_substeps(settings);
+    settings.substep_budget = automatic_budget;
+  }
   if (arguments.sleep) settings.sleep.reset();
   if (arguments.sleep && *arguments.sleep == 1) settings.sleep.emplace();
   if (arguments.locate_impacts) settings.locate_impacts = *arguments.locate_impacts == 1;
@@ -201,7 +213,7 @@ Result<Scene> make_builtin_scene(std::string_view text) {
 
   Scene scene = builtin->build(arguments);
   scene.name = text;
-  apply_settings(arguments, builtin->automatic, scene);
+  apply_settings(arguments, builtin->automatic_budget, scene);
   if (Status status = check_scene(scene, std::string(text)); !status) return status.error();
   return scene;
 }

@@ -29,8 +29,9 @@ struct BuiltinScene {
   std::string_view summary;
   std::span<const SceneParameter> parameters;
   Scene (*build)(const SceneArguments& arguments);
-  /// Whether `substeps` is auto if not given. True where that takes less than 1.5 times as long as 4 substeps.
-  bool automatic = false;
+  /// The budget of the automatic substeps that the scene has if `substeps` is not given: so that they take less than
+  /// 1.5 times as long as 4 substeps. 0: the scene has 4 substeps, or a number of its own.
+  int automatic_budget = 0;
 };
 
 /// The only list of built-in scenes.
@@ -40,7 +41,7 @@ std::span<const std::string_view> scene_setting_names();
 
 /// `name` or `name?key=value&key=value`. Besides its own parameters each scene takes the names of Settings:
 /// precision, dt, substeps, solver, integrator, broad_phase, and gravity (m/s^2 downwards). Without `substeps`, those
-/// of BuiltinScene::automatic; a solver that does not substep has one.
+/// of BuiltinScene::automatic_budget; a solver that does not substep has one.
 /// Errors: usage (unknown name or key, value out of range), and what check_scene refuses.
 Result<Scene> make_builtin_scene(std::string_view text);
 

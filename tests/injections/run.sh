@@ -42,7 +42,7 @@ record() { "$tool" record "$2" --ticks "$3" --detail cells -o "$work/$1.ttr" >/d
 record pile 'mixed_pile?bodies=1000' 600
 record pile_f64 'mixed_pile?bodies=1000&precision=f64&seed=5' 400
 record net 'joint_grid?columns=32' 300
-record sleepers 'resting?bodies=1000' 400
+record sleepers 'resting?bodies=1000&substeps=4' 400
 record shapes 'shapes?bodies=1000' 400
 for name in pile pile_f64 net sleepers shapes; do flip "$name" same; done
 for bodies in 2 3 4; do flip pile 6 --bodies "$bodies"; done

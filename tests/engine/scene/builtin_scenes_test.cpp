@@ -289,8 +289,12 @@ TEST_CASE("automatic substeps are the default where a scene says so, and a numbe
     const std::string name(builtin.name);
     CAPTURE(name);
     const Settings chosen = made(name).settings;
-    CHECK(chosen.auto_substeps.has_value() == builtin.automatic);
-    if (builtin.automatic) CHECK(made(name + "?substeps=auto").settings == chosen);
+    CHECK(chosen.auto_substeps.has_value() == (builtin.automatic_budget > 0));
+    CHECK(chosen.substep_budget == builtin.automatic_budget);
+    Settings automatic = made(name + "?substeps=auto").settings;
+    if (info_of(solvers, automatic.solver).substeps) CHECK(automatic.substep_budget == default_substep_budget);
+    automatic.substep_budget = builtin.automatic_budget;
+    if (builtin.automatic_budget > 0) CHECK(automatic == chosen);
     const Settings fixed = made(name + "?substeps=4").settings;
     CHECK(fixed.substeps == 4);
     CHECK_FALSE(fixed.auto_substeps.has_value());
@@ -311,13 +315,13 @@ stack 688d833f3b481fe6
 pyramid fbe5c1d4629366ae
 large_pyramid d470b91902ae7a34
 many_pyramids 12ab8fcaa4c40ff3
-circles a445f464d7fd4930
+circles 137be1c652260ae9
 mixed_pile 0f9d34b62c288260
 projectile d996cab508eb6dae
 billiards c74d09265d66e7c0
 slide ab0304e29ef25745
 shapes 8546d4004f65b5de
-sensors 2b92213d9b92e56b
+sensors 9347f6ad57d0061c
 pendulum 9e37ec9ebf7d4bcf
 chain 09d6f586fc089685
 bridge 5e72f18e37b14844
@@ -330,6 +334,6 @@ spinner 72da70a024886f0f
 rain 87ef82f0f0d35bdf
 gas e78f8a2a374b2f7a
 loose bae041049659005a
-resting 23325e6054cec9ea
+resting dfd964cd8cecc333
 )");
 }

@@ -31,8 +31,14 @@ std::string number_text(double value) {
   return fmt::format("{:.6g}", value);
 }
 
+std::string budget_text(const engine::BuiltinScene& scene) {
+  if (scene.automatic_budget == 0) return "";
+  if (scene.automatic_budget == engine::default_substep_budget) return "; substeps=auto";
+  return fmt::format("; substeps=auto, substep_budget={}", scene.automatic_budget);
+}
+
 void print_scene_text(const engine::BuiltinScene& scene) {
-  print(fmt::format("{:<16} {}{}\n", scene.name, scene.summary, scene.automatic ? "; substeps=auto" : ""));
+  print(fmt::format("{:<16} {}{}\n", scene.name, scene.summary, budget_text(scene)));
   for (const engine::SceneParameter& parameter : scene.parameters)
     print(fmt::format("  {:<14} {:<8} {} ({}{} .. {})\n", parameter.name, number_text(parameter.value),
                       parameter.summary, parameter.whole ? "whole, " : "", number_text(parameter.min),
@@ -41,7 +47,7 @@ void print_scene_text(const engine::BuiltinScene& scene) {
 
 /// As in a scene file.
 Json default_substeps(const engine::BuiltinScene& scene) {
-  if (scene.automatic) return "auto";
+  if (scene.automatic_budget > 0) return "auto";
   const auto made = engine::make_builtin_scene(scene.name);
   return made ? Json(made->settings.substeps) : Json();
 }
@@ -58,6 +64,7 @@ Json scene_json(const engine::BuiltinScene& scene) {
   return {{"name", scene.name},
           {"summary", scene.summary},
           {"substeps", default_substeps(scene)},
+          {"substep_budget", scene.automatic_budget},
           {"parameters", std::move(parameters)}};
 }
 
