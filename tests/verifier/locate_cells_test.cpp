@@ -182,6 +182,33 @@ TEST_CASE("locate: a value that leaves one of its cells as it was is healed", "[
   toy.bodies[123].charge = true_charge;
 }
 
+TEST_CASE("locate: spread counts each differing row once, and rows of an owner with it",
+          "[verifier][cells][analytic]") {
+  const ToySimulation first(6);
+  ToySimulation second(6);
+  const auto spread = [&] {
+    Bytes of_first, of_second;
+    return verifier::spread_of_tables(ToySimulation::schema(), canonical_tables(first.state(), of_first),
+                                      canonical_tables(second.state(), of_second), 9);
+  };
+  CHECK(spread().tick == 9);
+  CHECK(spread().of == 7);  // the world and six bodies; links belong to bodies
+  CHECK(spread().row_count == 0);
+  CHECK(!spread().estimated);
+  second.links[1].stiffness = 3;
+  CHECK(spread().row_count == 0);
+  second.bodies[1].charge += 1;
+  second.bodies[1].velocity[0] += 1;
+  second.bodies[1].velocity[1] += 1;
+  CHECK(spread().row_count == 1);
+  second.bodies[4].hits += 1;
+  CHECK(spread().row_count == 2);
+  second.world.score += 1;
+  CHECK(spread().row_count == 3);
+  second.links[0].stiffness = 3;
+  CHECK(spread().row_count == 3);
+}
+
 TEST_CASE("inject: flips in traces with cells are found, table and column exact, the rows concerned in the list",
           "[verifier][cells][inject][analytic]") {
   const Bytes trace = toy_trace_with(cells_toy_setup(200), 40, 16);

@@ -146,5 +146,20 @@ TEST_CASE("locate: the first stage whose hash differs is named", "[verifier][loc
   CHECK(contains(stage({1, 2, 3}).stage_note, "after the last one"));
 }
 
+TEST_CASE("locate: between two states, the first is the expected one", "[verifier][locate][analytic]") {
+  ToySimulation first(6), second(6);
+  second.bodies[2].charge += 5;
+  second.refresh();
+  const Divergence found = verifier::between_states(first.state(), second.state(), {}, 64);
+  CHECK(found.expected_root == root_hash(first.state()));
+  CHECK(found.got_root == root_hash(second.state()));
+  REQUIRE(found.expected_root != found.got_root);
+  REQUIRE(found.rows.size() == 1);
+  REQUIRE(found.rows[0].expected);
+  REQUIRE(found.rows[0].got);
+  CHECK(*found.rows[0].expected == static_cast<std::uint32_t>(first.bodies[2].charge));
+  CHECK(*found.rows[0].got == static_cast<std::uint32_t>(second.bodies[2].charge));
+}
+
 }  // namespace
 }  // namespace ticktrue::test
