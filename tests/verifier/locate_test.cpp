@@ -6,6 +6,7 @@
 
 #include "tests/support/catch.h"
 #include "tests/verifier/toy_variants.h"
+#include "verifier/locate/compare_tick.h"
 
 namespace ticktrue::test {
 namespace {
@@ -118,6 +119,22 @@ TEST_CASE("locate: a row only one side has is named by its id", "[verifier][loca
   CHECK(report.divergence->rows[1].name == "toy_77");
 }
 
+TEST_CASE("locate: behind a row that is missing here, rows keep their names", "[verifier][locate][analytic]") {
+  const Bytes trace = toy_trace_with(full_toy_setup(6, 0, 100), 12, 0);
+  injected = {4, ToySimulation::move_stage, [](ToySimulation& toy) {
+                toy.bodies.erase(toy.bodies.begin() + 1);
+                toy.bodies[3].charge += 1;
+              }};
+  const Report report = verify_bytes(trace, faulty_info);
+  REQUIRE(report.divergence);
+  REQUIRE(report.divergence->rows.size() == 2);
+  CHECK(report.divergence->rows[0].id == 1u);
+  CHECK(report.divergence->rows[1].column == "charge");
+  CHECK(report.divergence->rows[1].id == 4u);
+  CHECK(report.divergence->rows[1].row == 4);
+  CHECK(report.divergence->rows[1].name == "toy_4");
+}
+
 TEST_CASE("locate: more lanes than a report lists are counted", "[verifier][locate][analytic]") {
   const Bytes trace = toy_trace_with(full_toy_setup(100, 0, 100), 4, 0);
   injected = {1, ToySimulation::move_stage, [](ToySimulation& toy) {
@@ -159,6 +176,39 @@ TEST_CASE("locate: between two states, the first is the expected one", "[verifie
   REQUIRE(found.rows[0].got);
   CHECK(*found.rows[0].expected == static_cast<std::uint32_t>(first.bodies[2].charge));
   CHECK(*found.rows[0].got == static_cast<std::uint32_t>(second.bodies[2].charge));
+}
+
+TEST_CASE("compare: a state given as itself, as tables or as an image is compared with each other form",
+          "[verifier][locate][analytic]") {
+  ToySimulation first(6), second(6);
+  second.bodies[2].charge += 5;
+  Bytes images[2], buffers[2];
+  std::vector<ImageTable> tables[2];
+  const std::vector<std::uint32_t> all{0, 1, 2};
+  std::vector<verifier::TickSide> forms[2];  // [state][form]
+  const ToySimulation* const states[] = {&first, &second};
+  for (std::size_t i = 0; i < 2; ++i) {
+    encode_image(states[i]->state(), images[i]);
+    tables[i] = canonical_tables(states[i]->state(), buffers[i]);
+    forms[i].resize(3);
+    forms[i][0].state = &states[i]->state();
+    forms[i][1].tables = replay::StoredState{tables[i], all};
+    forms[i][2].image = ByteView(images[i]);
+  }
+  verifier::TickComparer comparer(ToySimulation::schema());
+  for (std::size_t a = 0; a < 3; ++a)
+    for (std::size_t b = 0; b < 3; ++b) {
+      CAPTURE(a, b);
+      const verifier::TickSide same[] = {forms[0][a], forms[0][b]};
+      CHECK_FALSE(comparer.compare(same));
+      if (a == 0 && b == 0) continue;  // nobody stores them: the root hashes have told
+      const verifier::TickSide other[] = {forms[0][a], forms[1][b]};
+      const auto found = comparer.compare(other);
+      REQUIRE(found);
+      CHECK(found->part == verifier::TickPart::image);
+      CHECK(found->a == 0);
+      CHECK(found->b == 1);
+    }
 }
 
 }  // namespace

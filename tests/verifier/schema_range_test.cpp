@@ -85,7 +85,8 @@ TEST_CASE("schema range: ranges of references and everything else of a column st
   CHECK(!first_schema_difference(narrower, here, Ranges::inside));
   CHECK(first_schema_difference(here, narrower, Ranges::inside));
   CHECK(!first_schema_difference(here, narrower, Ranges::any));
-  for (const StateSchema& other : {changed([&](TableSchema& table) { column(table, "partner").max = 5; }),
+  for (const StateSchema& other : {changed([&](TableSchema& table) { column(table, "id").name = "number"; }),
+                                   changed([&](TableSchema& table) { column(table, "partner").max = 5; }),
                                    changed([&](TableSchema& table) { column(table, "partner").target = 0; }),
                                    changed([&](TableSchema& table) { column(table, "partner").optional = false; }),
                                    changed([&](TableSchema& table) { column(table, "kind").type = ScalarType::u16; }),

@@ -11,6 +11,8 @@
 #include "verifier/compare/diff.h"
 #include "verifier/corpus/trace_list.h"
 #include "verifier/report/report.h"
+#include "verifier/verify/rerun.h"
+#include "verifier/verify/single_change.h"
 
 namespace ticktrue::test {
 namespace {
@@ -204,6 +206,31 @@ TEST_CASE("segments: a single bit that differs is found from the root hash alone
   CHECK(named > 20);
 }
 
+TEST_CASE("segments: a single bit is found in any block of a table, and in any table",
+          "[verifier][single_bit][analytic]") {
+  // Three blocks of bodies and one of links.
+  ToySimulation toy(1'000);
+  Bytes here;
+  encode_image(toy.state(), here);
+  const auto found_bit = [&] {
+    const auto found = verifier::find_single_bit(ToySimulation::schema(), here, root_hash(toy.state()), 1);
+    REQUIRE(found);
+    Bytes recorded;
+    encode_image(toy.state(), recorded);
+    return *found == recorded;
+  };
+  toy.bodies[0].charge ^= 8;
+  CHECK(found_bit());
+  toy.bodies[0].charge ^= 8;
+  toy.links[499].stiffness = 1;  // before: 0.5, one bit less
+  CHECK(found_bit());
+  toy.links[499].stiffness = 0.5F;
+  toy.bodies[999].hits ^= 0x8000;
+  CHECK(found_bit());
+  toy.bodies[999].charge ^= 1;
+  CHECK_FALSE(found_bit());
+}
+
 TEST_CASE("segments: two bits that differ are not taken for one", "[verifier][single_bit][analytic]") {
   const Bytes trace = toy_trace_with(toy_setup(6), 50, 0);
   injected = {37, ToySimulation::move_stage, [](ToySimulation& toy) {
@@ -216,6 +243,58 @@ TEST_CASE("segments: two bits that differ are not taken for one", "[verifier][si
   CHECK(report.verdict == Verdict::diverged);
   REQUIRE(report.divergence);
   CHECK(report.divergence->tables.empty());
+}
+
+/// The ticks of the checkpoints at which segments can begin.
+std::vector<std::uint64_t> segment_starts(ByteView trace, std::optional<std::uint64_t> to = std::nullopt) {
+  replay::TraceReader reader = open_trace(trace);
+  verifier::ReaderSource source(reader);
+  VerifyOptions options = verify_options(toy_info);
+  options.to = to;
+  std::vector<std::uint64_t> ticks;
+  for (const verifier::Start& start : verifier::plan_segments({source.setup(), options}, source, {}, 100).starts)
+    ticks.push_back(start.tick);
+  return ticks;
+}
+
+TEST_CASE("segments: one begins at each checkpoint with a tick behind it, up to the last tick wanted",
+          "[verifier][segments][analytic]") {
+  using Ticks = std::vector<std::uint64_t>;
+  const Bytes trace = toy_trace_with(toy_setup(6), 24, 8);
+  CHECK(segment_starts(trace) == Ticks{0, 8, 16});
+  CHECK(segment_starts(trace, 7) == Ticks{0});
+  CHECK(segment_starts(trace, 8) == Ticks{0, 8});
+  CHECK(segment_starts(trace, 15) == Ticks{0, 8});
+  CHECK(segment_starts(trace, 16) == Ticks{0, 8, 16});
+  std::size_t ends_with_checkpoint = 0;
+  for (const ChunkPlace& place : chunk_places(trace)) {
+    const ByteView cut = ByteView(trace).first(place.offset + place.size);
+    if (!replay::TraceReader::open_bytes(cut, "toy.ttr")) continue;
+    const ReadTrace read = read_all(cut);
+    Ticks expected{0};
+    for (const ReadCheckpoint& checkpoint : read.checkpoints)
+      if (checkpoint.tick > 0 && checkpoint.tick < read.ticks.size()) expected.push_back(checkpoint.tick);
+    CAPTURE(place.offset);
+    CHECK(segment_starts(cut) == expected);
+    if (!read.ticks.empty() && read.checkpoints.back().tick == read.ticks.size()) ++ends_with_checkpoint;
+  }
+  CHECK(ends_with_checkpoint > 0);
+}
+
+TEST_CASE("segments: a run begins at a checkpoint that the trace has, or nowhere", "[verifier][segments][analytic]") {
+  const Bytes trace = toy_trace_with(toy_setup(6), 24, 8);
+  replay::TraceReader reader = open_trace(trace);
+  verifier::ReaderSource source(reader);
+  for (std::uint64_t tick = 0; tick < 30; ++tick) {
+    CAPTURE(tick);
+    verifier::Start start;
+    start.tick = tick;
+    start.loaded = true;
+    const bool has_checkpoint = tick % 8 == 0 && tick <= 24;  // one is behind the last tick
+    CHECK(verifier::go_to_start(source, start) == has_checkpoint);
+    CHECK(start.image.empty() == !has_checkpoint);
+    CHECK(start.tick == tick);
+  }
 }
 
 TEST_CASE("segments: the parts of a list have no file in common and are the list", "[verifier][shard][analytic]") {
@@ -306,6 +385,20 @@ TEST_CASE("a trace that begins late is verified from its first checkpoint", "[ve
   }
 }
 
+TEST_CASE("a trace that begins late and is cut counts the ticks it holds", "[verifier][late][corruption]") {
+  const Bytes trace = late_trace(replay::Detail::root, 13, 60);
+  for (std::size_t size = trace.size() / 2; size < trace.size(); size += 97) {
+    CAPTURE(size);
+    const ByteView cut = ByteView(trace).first(size);
+    const std::size_t tick_count = read_all(cut).ticks.size();
+    REQUIRE(tick_count > 0);
+    const Report report = verify_bytes(cut, toy_info);
+    CHECK(report.verdict == Verdict::incomplete);
+    CHECK(report.ticks_compared == tick_count);
+    CHECK(report.ticks_recorded == tick_count);
+  }
+}
+
 /// Shows its state and cannot load one.
 class Observed : public ToySimulation {
  public:
@@ -320,6 +413,22 @@ TEST_CASE("a trace that begins late is not comparable where no state can be load
   CHECK(report.reason == "begins at tick 13 and holds no state that this program can load");
   // From tick 0 on, version 3 asks for nothing more than version 1.
   CHECK(verify_bytes(late_trace(replay::Detail::root, 0, 30, false), observed).verdict == Verdict::match);
+}
+
+TEST_CASE("a bundle is told as one, and not by each of its parts", "[verifier][parts][analytic]") {
+  replay::TraceSetup setup = toy_setup(6);
+  setup.features = static_cast<std::uint32_t>(replay::Feature::peers);
+  setup.checkpoint_interval = 8;
+  replay::WriterOptions writer = plain_writer();
+  writer.allow_third = true;
+  const Bytes trace = toy_trace(setup, 20, writer);
+  const std::vector<std::string> note{"a bundle of several players: `ticktrue show toy.ttr` says who differs"};
+  VerifyOptions options = verify_options(toy_info);
+  CHECK(verify_bytes(trace, options).notes == note);
+  options.in_segments = true;
+  CHECK(verify_bytes(trace, options).notes == note);
+  options.part = verifier::TracePart{0, 2};
+  CHECK(verify_bytes(trace, options).notes.empty());
 }
 
 TEST_CASE("diff aligns traces that begin at other ticks", "[verifier][late][diff]") {

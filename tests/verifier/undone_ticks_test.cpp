@@ -181,6 +181,13 @@ class ChosenToy : public LimitedToy {
 };
 const SimulationInfo chosen_info{"ticktrue.toy", 1, &make_toy<ChosenToy>};
 
+/// The time before a tick of the lively session.
+double lively_time_s(std::uint64_t tick) {
+  double time_s = 0;
+  for (std::uint64_t before = 0; before < tick; ++before) time_s += (*lively_script(before))->first;
+  return time_s;
+}
+
 }  // namespace
 
 TEST_CASE("whichever run of a verification cannot do a tick, the verdict is no match", "[verifier][hostile]") {
@@ -227,9 +234,33 @@ TEST_CASE("a mismatch whose second run cannot do a tick is not reproducible, and
                                         " on: the second run could not do this tick: tick " + tick + ": toys"));
       REQUIRE(report.divergence.has_value());
       CHECK(report.divergence->tick == possible);
+      CHECK(report.divergence->time_s == lively_time_s(possible));
       CHECK_FALSE(report.divergence->stage.has_value());
     }
   undone_code = ErrorCode::limit;
+}
+
+TEST_CASE("behind a divergence, a tick that cannot be done ends the spread, and the trace still has its end",
+          "[verifier][hostile]") {
+  const Bytes trace = toy_trace_with(full_toy_setup(6, 0, 100), 60, 8);
+  SimulationInfo info = toy_info;
+  info.make = [](ByteView setup) -> Result<std::unique_ptr<Simulation>> {
+    auto toy = std::make_unique<LimitedToy>(ByteReader(setup).u32());
+    toy->disturb = [](ToySimulation& self, std::size_t stage) {
+      if (stage == ToySimulation::move_stage && self.world.tick_count == 38) self.bodies[0].hits += 1;
+    };
+    return std::unique_ptr<Simulation>(std::move(toy));
+  };
+  ticks_possible = 40;
+  const Report report = verify_bytes(trace, info);
+  CHECK(report.verdict == Verdict::diverged);
+  REQUIRE(report.divergence);
+  CHECK(report.divergence->tick == 37);
+  REQUIRE(report.divergence->spread.size() == 2);
+  CHECK(report.divergence->spread[1].tick == 39);
+  REQUIRE(report.end);
+  CHECK(report.end->tail.condition == replay::TraceCondition::complete);
+  CHECK(report.end->tail.ticks_intact == 60);
 }
 
 TEST_CASE("the states of a tick are an error where it or one before it cannot be done",

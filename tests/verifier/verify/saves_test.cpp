@@ -26,6 +26,7 @@ struct SavingPlan {
   bool loads_images = false;
   bool drifts = false;   // the hidden counter counts twice in the last step before a checkpoint
   bool is_late = false;  // the first load lets a value change five steps later
+  bool breaks = false;   // the first load lets the fifth step behind it fail
 };
 SavingPlan plan;
 std::mutex loads_lock;
@@ -43,6 +44,10 @@ class SavingToy : public ToySimulation {
     };
   }
 
+  Status step(const TickInput& input, StageObserver* observer) override {
+    if (steps_to_break_ > 0 && --steps_to_break_ == 0) return Error{ErrorCode::limit, "no room for a step", ""};
+    return ToySimulation::step(input, observer);
+  }
   Status load(ByteView image) override {
     if (plan.loads_images) return ToySimulation::load(image);
     return Error{ErrorCode::unsupported, "observed", ""};
@@ -64,7 +69,9 @@ class SavingToy : public ToySimulation {
     }
     if (save.size() < 4) return Error{ErrorCode::usage, "a save of another size", ""};
     tick_ = tick;
-    if (plan.is_late && !std::exchange(is_loaded_, true)) steps_to_change_ = 5;
+    const bool is_first = !std::exchange(is_loaded_, true);
+    if (plan.is_late && is_first) steps_to_change_ = 5;
+    if (plan.breaks && is_first) steps_to_break_ = 5;
     if (!plan.forgets) steps_ = ByteReader(save).u32();
     return ToySimulation::load(save.subspan(4));
   }
@@ -73,6 +80,7 @@ class SavingToy : public ToySimulation {
   std::uint32_t steps_ = 0;  // in no column
   std::uint64_t tick_ = 0;
   std::uint32_t steps_to_change_ = 0;
+  std::uint32_t steps_to_break_ = 0;
   bool is_loaded_ = false;
 };
 
@@ -241,6 +249,35 @@ TEST_CASE("saves: a checkpoint without a save is compared, and no run begins the
   }
 }
 
+TEST_CASE("saves: a trace that begins late, and without a save, is not comparable", "[verifier][saves][late]") {
+  plan = {};
+  replay::TraceSetup setup = saving_setup(false);
+  setup.features |= static_cast<std::uint32_t>(replay::Feature::tail);
+  const TemporaryFolder folder;
+  replay::WriterOptions options = plain_writer();
+  options.allow_third = true;
+  auto writer = replay::TraceWriter::create(folder.file("late.ttr"), setup, toy_facts, options);
+  REQUIRE(writer);
+  SavingToy toy(6);
+  const TickInput input{0.015625, {}};
+  for (int tick = 0; tick < 13; ++tick) REQUIRE(toy.step(input, nullptr));
+  writer->begin_at(13, 13 * input.dt);
+  REQUIRE(writer->checkpoint(toy.state(), root_hash(toy.state())));
+  for (int tick = 13; tick < 20; ++tick) {
+    REQUIRE(writer->begin_tick(input));
+    REQUIRE(toy.step(input, nullptr));
+    REQUIRE(writer->end_tick(root_hash(toy.state()), {}, &toy.state()));
+  }
+  REQUIRE(writer->finish(replay::EndReason::complete, ""));
+  loads.clear();
+  for (const VerifyMode mode : {VerifyMode::replay, VerifyMode::restore, VerifyMode::twice}) {
+    const Report report = verify_bytes(read_file(folder.file("late.ttr")), saving_info(), mode);
+    CHECK(report.verdict == Verdict::not_comparable);
+    CHECK(report.reason == "begins at tick 13 with a checkpoint without a save");
+  }
+  CHECK(loads.empty());
+}
+
 TEST_CASE("saves: where there is none, nothing is loaded, and the report says why", "[verifier][saves][analytic]") {
   plan = {};
   plan.save_interval = 0;
@@ -384,6 +421,19 @@ TEST_CASE("sync test: what goes wrong behind a second run is no divergence", "[v
   REQUIRE(late.divergence);
   CHECK(late.divergence->tick == 3);
   CHECK(late.divergence->tables.at(0).columns == std::vector<std::string>{"hits"});
+  CHECK(late.divergence->time_s == 3 * 0.015625);
+  // A tick that cannot be done there either.
+  plan = {};
+  plan.save_interval = 1;
+  plan.breaks = true;
+  const Report broken = sync_report(trace, saving_info(), 3);
+  CHECK(broken.verdict == Verdict::state_incomplete);
+  CHECK(broken.checkpoint == 0);
+  CHECK(contains(broken.reason, "tick 3 is as recorded where no tick runs twice"));
+  CHECK(contains(broken.reason, "with tick 0: cannot be done here: no room for a step"));
+  REQUIRE(broken.divergence);
+  CHECK(broken.divergence->tick == 3);
+  CHECK(broken.divergence->time_s == 3 * 0.015625);
   // A build that gives other bits diverges as in any verification.
   plan = {};
   plan.save_interval = 1;
