@@ -55,26 +55,30 @@ struct SolverInfo : Choice<SolverKind> {
   bool substeps;            // false: settings.substeps must be 1
   bool chooses_joints;      // false: settings.joints must be `iterative`
   bool reads_contacts;      // false: every shape but circle and sharp polygon, filters, sensors, events are refused
+  bool is_baseline;         // true: to be compared with; nothing bounds its overlaps, gaps and energy
 };
 inline constexpr std::array<SolverInfo, 4> solvers{{
-    {{SolverKind::free_flight, "free_flight", "integrates; nothing collides"}, false, false, true, false, false},
+    {{SolverKind::free_flight, "free_flight", "integrates; nothing collides"}, false, false, true, false, false, false},
     {{SolverKind::impulse, "impulse", "the thesis' single-point, single-pass impulses"},
      true,
      false,
      false,
      false,
-     false},
+     false,
+     true},
     {{SolverKind::tgs_soft, "tgs_soft", "substeps, soft constraints, warm starting, relax"},
      true,
      true,
      true,
      true,
-     true},
+     true,
+     false},
     {{SolverKind::pgs, "pgs", "sequential impulses: iterations, warm starting, Baumgarte"},
      true,
      true,
      false,
      false,
+     true,
      true},
 }};
 
@@ -85,10 +89,11 @@ struct IntegratorInfo : Choice<IntegratorKind> {
   double stability_limit;     // largest w h at which an undamped oscillation does not grow; 0: it always grows
   bool carries_constraints;   // false: a scene with contacts or joints is refused
   std::string_view why_free;  // the reason, if it carries none
+  bool is_baseline = false;   // true: to be compared with; nothing bounds its overlaps, gaps and energy
 };
 inline constexpr std::array<IntegratorInfo, 9> integrators{{
     {{IntegratorKind::semi_implicit_euler, "semi_implicit_euler", "symplectic, stable for w h < 2"}, 1, 2, true, ""},
-    {{IntegratorKind::explicit_euler, "explicit_euler", "oscillations grow at every step"}, 1, 0, true, ""},
+    {{IntegratorKind::explicit_euler, "explicit_euler", "oscillations grow at every step"}, 1, 0, true, "", true},
     {{IntegratorKind::velocity_verlet, "velocity_verlet", "kick, drift, kick; symplectic"}, 2, 2, true, ""},
     {{IntegratorKind::position_verlet, "position_verlet", "drift, kick, drift; symplectic"}, 2, 2, true, ""},
     {{IntegratorKind::rk4, "rk4", "the classical Runge-Kutta scheme"}, 4, 2.8284271247461903, true, ""},
@@ -102,8 +107,8 @@ inline constexpr std::array<IntegratorInfo, 9> integrators{{
      always_stable,
      false,
      "its Newton iteration knows no contact impulses"},
-    {{IntegratorKind::thesis_verlet, "thesis_verlet", "as printed in the thesis"}, 1, 0, true, ""},
-    {{IntegratorKind::thesis_rk4, "thesis_rk4", "as printed in the thesis"}, 1, 0, true, ""},
+    {{IntegratorKind::thesis_verlet, "thesis_verlet", "as printed in the thesis"}, 1, 0, true, "", true},
+    {{IntegratorKind::thesis_rk4, "thesis_rk4", "as printed in the thesis"}, 1, 0, true, "", true},
 }};
 
 inline constexpr std::array<Choice<BroadPhaseKind>, 5> broad_phases{{
