@@ -50,6 +50,9 @@ SoakCounters parse_counters(const Json& json) {
   json.at("worlds").get_to(counters.world_count);
   json.at("ticks").get_to(counters.tick_count);
   json.at("body_ticks").get_to(counters.body_ticks);
+  json.at("physics_judged").get_to(counters.judged_count);
+  json.at("physics_not_judged").get_to(counters.unjudged_count);
+  json.at("physics").get_to(counters.physics_texts);
   json.at("ran_away").get_to(counters.ran_away_count);
   json.at("joints_failed").get_to(counters.joints_failed_count);
   json.at("runs").get_to(counters.run_counts);
@@ -78,6 +81,9 @@ std::string print_progress(const SoakIdentity& identity, const SoakCounters& cou
   json["worlds"] = counters.world_count;
   json["ticks"] = counters.tick_count;
   json["body_ticks"] = counters.body_ticks;
+  json["physics_judged"] = counters.judged_count;
+  json["physics_not_judged"] = counters.unjudged_count;
+  json["physics"] = counters.physics_texts;
   json["ran_away"] = counters.ran_away_count;
   json["joints_failed"] = counters.joints_failed_count;
   json["runs"] = counters.run_counts;

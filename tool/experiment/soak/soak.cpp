@@ -152,6 +152,9 @@ class Soak {
       const PhysicsCounts physics = count_physics({world.soak_case, inputs, oracle.make}, result.base);
       for (std::size_t i = 0; i < physics_checks.size(); ++i)
         if (physics.broken[i]) ++counts.known[{physics.cause, std::string(physics_checks[i])}];
+      ++(physics.is_judged ? counts.judged_count : counts.unjudged_count);
+      for (const std::string& text : physics.texts)
+        counts.physics_texts.push_back("world " + std::to_string(index) + ": " + text);
     }
     for (const Finding& finding : result.findings) {
       world.soak_case.tick_count = std::max(result.base.tick_count, finding.tick + 1);
@@ -170,6 +173,10 @@ class Soak {
   void add(const SoakCounters& counts) {
     counters_.tick_count += counts.tick_count;
     counters_.body_ticks += counts.body_ticks;
+    counters_.judged_count += counts.judged_count;
+    counters_.unjudged_count += counts.unjudged_count;
+    counters_.physics_texts.insert(counters_.physics_texts.end(), counts.physics_texts.begin(),
+                                   counts.physics_texts.end());
     counters_.ran_away_count += counts.ran_away_count;
     counters_.joints_failed_count += counts.joints_failed_count;
     for (std::size_t i = 0; i < check_table.size(); ++i) counters_.run_counts[i] += counts.run_counts[i];

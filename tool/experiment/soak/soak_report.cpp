@@ -158,7 +158,11 @@ std::string soak_text(const SoakOptions& options, const SoakReport& report, cons
   if (options.known_world_count > 0)
     text += fmt::format("  physics of the first {} worlds: {}\n", options.known_world_count,
                         counters.world_count >= options.known_world_count ? "compared with what is known"
-                                                                          : "not compared, too few worlds were run");
+                                                                          : "not compared, too few worlds were run") +
+            fmt::format(
+                "  energy, gaps and overlaps: {} worlds judged, {} not, of solvers or integrators that promise none\n",
+                counters.judged_count, counters.unjudged_count);
+  for (const std::string& line : counters.physics_texts) text += "  physics  " + line + "\n";
   text += fmt::format("  ticks   {}, body-ticks {}\n", counters.tick_count, counters.body_ticks);
   text += fmt::format("  ended   {} worlds early: {} in which a body ran away, {} with joints that became non-finite\n",
                       counters.ran_away_count + counters.joints_failed_count, counters.ran_away_count,
@@ -191,6 +195,9 @@ std::string soak_json(const SoakOptions& options, const SoakReport& report, cons
   const PairCoverage pairs = pair_coverage(options, counters);
   json["pairs"] = {
       {"wanted", pair_count_wanted}, {"enough", pairs.enough}, {"rare", pairs.rare}, {"never", pairs.never}};
+  json["physics_judged"] = counters.judged_count;
+  json["physics_not_judged"] = counters.unjudged_count;
+  json["physics"] = counters.physics_texts;
   json["physics_rose"] = known.rose;
   json["physics_fell"] = known.fell;
   json["failures"] = failures_json(counters);

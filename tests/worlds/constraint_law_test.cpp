@@ -1,0 +1,227 @@
+// The law of soft constraints: what it lets pass, what breaks it, and when.
+// SPDX-License-Identifier: MIT
+#include "tool/experiment/oracle/constraint_law.h"
+
+#include <cmath>
+
+#include "tests/support/catch.h"
+#include "tests/support/forwarding_engine.h"
+#include "tests/support/scenes.h"
+#include "tests/support/text.h"
+#include "tool/experiment/oracle/physics_checks.h"
+
+namespace ticktrue::test {
+namespace {
+
+using namespace verifier::soak;
+using engine::ContactReport;
+using engine::Engine;
+using engine::Joint;
+using engine::JointKind;
+
+/// Steps and goes back: nothing ever moves.
+class MovesNothing : public ForwardingEngine {
+ public:
+  using ForwardingEngine::ForwardingEngine;
+  Status step(const TickInput& input, StageObserver* observer) override {
+    Bytes image;
+    encode_image(inner().state(), image);
+    if (Status did = inner().step(input, observer); !did) return did;
+    ++tick_;
+    return inner().load(image);
+  }
+  std::uint64_t tick() const override { return tick_; }
+
+ private:
+  std::uint64_t tick_ = 0;
+};
+
+/// Says that every contact overlaps by so much, and pushes with so much force.
+class SaysOverlap : public ForwardingEngine {
+ public:
+  SaysOverlap(std::unique_ptr<Engine> inner, double overlap_m, double force_n)
+      : ForwardingEngine(std::move(inner)), overlap_m_(overlap_m), force_n_(force_n) {}
+  std::vector<ContactReport> contacts() const override {
+    std::vector<ContactReport> reports = inner().contacts();
+    for (ContactReport& report : reports) {
+      report.separation[0] = report.separation[1] = -overlap_m_;
+      report.normal_force[0] = report.normal_force[1] = force_n_;
+    }
+    return reports;
+  }
+
+ private:
+  double overlap_m_;
+  double force_n_;
+};
+
+std::unique_ptr<Engine> law_engine(const Scene& scene) {
+  auto made = engine::make_engine(scene);
+  REQUIRE(made);
+  return *std::move(made);
+}
+
+/// The law after so many ticks of a run.
+ConstraintLaw law_after(Engine& engine, std::uint64_t tick_count) {
+  ConstraintLaw law(engine.scene());
+  const double dt = engine.scene().settings.dt;
+  for (std::uint64_t tick = 0; tick < tick_count; ++tick) {
+    REQUIRE(engine.step({dt, {}}, nullptr));
+    law.look(engine, dt);
+  }
+  return law;
+}
+
+/// Two discs of 1 m without gravity, `distance` from centre to centre.
+Scene two_discs(double distance) {
+  Scene scene = empty_scene();
+  scene.gravity = {};
+  scene.bodies.push_back(body_of(disc_shape(0.5), {0, 0}));
+  scene.bodies.push_back(body_of(disc_shape(0.5), {distance, 0}));
+  return scene;
+}
+
+/// Two discs of 1 m on a pin whose anchors are `gap` apart.
+Scene pinned_discs(double gap) {
+  Scene scene = two_discs(3 + gap);
+  Joint pin;
+  pin.kind = JointKind::revolute;
+  pin.body_a = 0;
+  pin.body_b = 1;
+  pin.anchor_a = {1.5, 0};
+  pin.anchor_b = {-1.5, 0};
+  scene.joints.push_back(pin);
+  return scene;
+}
+
+}  // namespace
+
+TEST_CASE("worlds of a baseline are not judged, and no rule of theirs breaks", "[verifier][soak][law][analytic]") {
+  std::size_t judged = 0, baselines = 0;
+  for (const auto& solver : engine::solvers)
+    for (const auto& integrator : engine::integrators) {
+      engine::Settings settings;
+      settings.solver = solver.kind;
+      settings.integrator = integrator.kind;
+      CHECK(promises_accuracy(settings) == (!solver.is_baseline && !integrator.is_baseline));
+      ++(promises_accuracy(settings) ? judged : baselines);
+    }
+  CHECK(judged == 12);  // two solvers, six integrators
+  CHECK(baselines == 24);
+  // Every scheme whose oscillations always grow is a baseline, and no other one.
+  for (const auto& integrator : engine::integrators) CHECK(integrator.is_baseline == (integrator.stability_limit == 0));
+
+  SoakCase sunk{two_discs(0.5), {}, 600};
+  for (const bool is_baseline : {false, true}) {
+    if (is_baseline) sunk.scene.settings.solver = engine::SolverKind::pgs;
+    const CaseInputs inputs(sunk);
+    const EngineMaker make = [](const Scene& scene,
+                                const engine::EngineOptions& options) -> Result<std::unique_ptr<Engine>> {
+      auto made = engine::make_engine(scene, options);
+      if (made) *made = std::make_unique<MovesNothing>(*std::move(made));
+      return made;
+    };
+    BaseRun base;
+    base.tick_count = sunk.tick_count;
+    const PhysicsCounts counts = count_physics({sunk, inputs, make}, base);
+    CHECK(counts.is_judged != is_baseline);
+    CHECK(counts.broken[2] != is_baseline);
+    CHECK(counts.texts.size() == (is_baseline ? 0 : 1));
+  }
+}
+
+TEST_CASE("an overlap from the start may last as long as the push-out takes", "[verifier][soak][law][analytic]") {
+  const double overlap = 0.5;
+  const Scene scene = two_discs(1 - overlap);
+  CHECK_FALSE(law_after(*law_engine(scene), 300).overlap());
+
+  MovesNothing still(law_engine(scene));
+  const auto broken = law_after(still, 300).overlap();
+  REQUIRE(broken);
+  CHECK(std::fabs(broken->error - overlap) < 1e-9);
+  CHECK(std::fabs(broken->tolerance - 0.025) < 1e-9);
+  CHECK(broken->yielded == 0);
+  // At 3 m/s down to 3 m/s over the bias rate, and from there by e^(-rate t); twice as long in all, three ticks to be
+  // seen, and once more the way of all that overlaps.
+  const double dt = scene.settings.dt, h = dt / scene.settings.substeps;
+  const double omega = 2 * 3.14159265358979 * 0.125 / h, rate = omega / (20 + h * omega), corner = 3 / rate;
+  const double allowed = 3 * dt + 2 * ((overlap - corner) / 3 + std::log(corner / 0.025) / rate) + 2 * overlap / 3;
+  CHECK(std::fabs(broken->allowed_s - allowed) < 1e-9);
+  CHECK(broken->tick == static_cast<std::uint64_t>(allowed / dt));
+  CHECK(contains(overlap_text(*broken), "bodies 0 and 1 overlap by 0.5 m at tick " + std::to_string(broken->tick)));
+}
+
+TEST_CASE("an overlap that goes on growing gets no more time", "[verifier][soak][law][analytic]") {
+  // 5 cm more in every tick: from 20 cm on, each tick would add more to the time of a push-out than it takes.
+  const double dt = Scene{}.settings.dt;
+  class Sinks : public ForwardingEngine {
+   public:
+    using ForwardingEngine::ForwardingEngine;
+    std::vector<ContactReport> contacts() const override {
+      std::vector<ContactReport> reports = inner().contacts();
+      for (ContactReport& report : reports) {
+        report.separation[0] = report.separation[1] = -0.05 * static_cast<double>(inner().tick());
+        report.normal_force[0] = report.normal_force[1] = 0;
+      }
+      return reports;
+    }
+  };
+  Sinks sinks(law_engine(stack_scene(1)));
+  const auto broken = law_after(sinks, 300).overlap();
+  REQUIRE(broken);
+  CHECK(broken->allowed_s < 0.6);
+  CHECK(std::fabs(broken->error - 0.05 * static_cast<double>(broken->tick + 1)) < 1e-9);
+  CHECK(std::fabs(broken->lasted_s - dt * static_cast<double>(broken->tick + 1)) < 1e-9);
+}
+
+TEST_CASE("a contact at rest may be as deep as twice its load presses it in", "[verifier][soak][law][analytic]") {
+  const Scene scene = stack_scene(1);
+  const double h = scene.settings.dt / scene.settings.substeps;
+  const double omega = 2 * 3.14159265358979 * 0.25 / h;
+  // A corner of a box of 1 kg: 1 / m + (1/2)^2 / (1/6).
+  const double mobility = 1 + 1.5;
+  const double overlap = 0.1, beyond = overlap - 0.025;
+  const double force = beyond * omega * omega / mobility / 2;
+  SaysOverlap holds(law_engine(scene), overlap, 1.01 * force);
+  CHECK_FALSE(law_after(holds, 600).overlap());
+  SaysOverlap gives_way(law_engine(scene), overlap, 0.99 * force);
+  const auto broken = law_after(gives_way, 600).overlap();
+  REQUIRE(broken);
+  CHECK(std::fabs(broken->yielded - 0.99 * beyond) < 1e-3 * beyond);
+  CHECK_FALSE(law_after(*law_engine(stack_scene(10)), 300).overlap());
+}
+
+TEST_CASE("a gap of a joint from the start may last as long as it takes to close", "[verifier][soak][law][analytic]") {
+  for (const auto& joints : engine::joint_solvers) {
+    CAPTURE(joints.name);
+    Scene scene = pinned_discs(0.3);
+    scene.settings.joints = joints.kind;
+    CHECK_FALSE(law_after(*law_engine(scene), 600).gap());
+    MovesNothing still(law_engine(scene));
+    const auto broken = law_after(still, 600).gap();
+    REQUIRE(broken);
+    CHECK(broken->first == 0);
+    CHECK(std::fabs(broken->error - 0.3) < 1e-9);
+    CHECK(contains(gap_text(*broken), "joint 0 is off by 0.3 m"));
+  }
+}
+
+TEST_CASE("what immovable bodies squeeze is not judged", "[verifier][soak][law][analytic]") {
+  // A disc of 1 m between two walls 0.8 m apart.
+  Scene scene = two_discs(0);
+  scene.bodies.pop_back();
+  for (const double x : {-1.4, 1.4}) scene.bodies.push_back(body_of(box_shape(1, 5), {x, 0}, BodyType::static_body));
+  MovesNothing squeezed(law_engine(scene));
+  CHECK_FALSE(law_after(squeezed, 600).overlap());
+  scene.bodies.pop_back();  // one wall
+  MovesNothing pressed(law_engine(scene));
+  CHECK(law_after(pressed, 600).overlap());
+
+  // A plate that comes down on a box on the ground.
+  Scene crusher = stack_scene(1);
+  crusher.bodies.push_back(body_of(box_shape(1, 0.5), {0, 1.55}, BodyType::kinematic_body));
+  crusher.bodies.back().velocity = {0, -0.5};
+  CHECK_FALSE(law_after(*law_engine(crusher), 90).overlap());
+}
+
+}  // namespace ticktrue::test

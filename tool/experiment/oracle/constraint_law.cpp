@@ -1,0 +1,512 @@
+// The law of soft constraints: what a load presses in, what is pushed out, and how long that takes.
+// SPDX-License-Identifier: MIT
+#include "tool/experiment/oracle/constraint_law.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstring>
+#include <limits>
+#include <numeric>
+
+#include "engine/math/trig.h"
+#include "engine/scene/hull.h"
+#include "tool/study/table.h"
+
+namespace ticktrue::verifier::soak {
+namespace {
+
+using engine::BodyReport;
+using engine::BodyType;
+using engine::ContactReport;
+using engine::Joint;
+using engine::JointKind;
+using engine::Point;
+using engine::Shape;
+using Extent = ConstraintLaw::Extent;
+
+constexpr double infinite = std::numeric_limits<double>::infinity();
+
+// Of docs/physics.md.
+constexpr double contact_hertz_h = 0.125;  // frequency times h; twice that against immovable bodies
+constexpr double contact_damping_ratio = 10;
+constexpr double joint_hertz_h = 0.25;
+constexpr double joint_damping_ratio = 5;
+constexpr double push_speed = 3;            // m/s, at which contacts part at most
+constexpr double direct_push_rate = 48;     // 1/s, of the gap of a direct joint
+constexpr double direct_push_speed = 0.1;   // m/s, with the energy of all bodies at that speed
+constexpr double short_pulley_side = 0.01;  // of its length; the engine leaves out a side of half that length
+
+// Of this rule.
+constexpr double size_share = 0.025;  // what located bounces leave, 0.02 sizes, and the slop, 0.005
+constexpr double load_factor = 2;     // loads are sampled at the end of a tick
+constexpr double seen_ticks = 3;      // until an overlap is a contact, is pushed, and is looked at
+constexpr double opposite = -0.5;     // cosine of two normals between which a body is squeezed
+constexpr double epsilon_count = 16;  // roundings of a coordinate
+
+struct SoftLaw {
+  double omega = 0;      // 1/s: a load F yields F / (m omega^2)
+  double bias_rate = 0;  // 1/s: of an error that is pushed out
+};
+SoftLaw soft_law(double hertz_h, double damping_ratio, double h) {
+  const double omega = 2 * engine::pi * hertz_h / h;
+  return {omega, omega / (2 * damping_ratio + h * omega)};
+}
+
+/// The time in which an error falls to `least`: at `speed_max`, then exponentially.
+double settling_time(double error, double least, double rate, double speed_max) {
+  const double corner = std::max(speed_max / rate, least);
+  double time = 0;
+  if (error > corner) time = (error - corner) / speed_max;
+  return time + std::max(0.0, std::log(std::min(error, corner) / least)) / rate;
+}
+
+/// Twice the radius of the largest circle inside a shape, about the mean of its corners, m; 0 for lines.
+double size_of_shape(const Shape& shape) {
+  if (engine::is_line(shape.kind)) return 0;
+  const std::vector<Point> core = engine::core_of(shape);
+  if (core.size() < 3) return 2 * shape.radius;
+  Point center;
+  for (const Point& p : core) center = {center.x + p.x, center.y + p.y};
+  const auto count = static_cast<double>(core.size());
+  center = {center.x / count, center.y / count};
+  double nearest = infinite;
+  for (std::size_t i = 0; i < core.size(); ++i) {
+    const Point& p = core[i];
+    const Point& q = core[(i + 1) % core.size()];
+    const Point edge{q.x - p.x, q.y - p.y};
+    const double area = edge.x * (center.y - p.y) - edge.y * (center.x - p.x);
+    nearest = std::min(nearest, std::fabs(area) / std::hypot(edge.x, edge.y));
+  }
+  return 2 * (nearest + shape.radius);
+}
+
+Point rotated(double angle, const Point& p) {
+  const engine::SinCos turn = engine::sin_cos(angle);
+  return {turn.cos * p.x - turn.sin * p.y, turn.sin * p.x + turn.cos * p.y};
+}
+
+Extent extent_of(const BodyReport& body) {
+  Extent extent;
+  const Point center = rotated(-body.angle, {body.center.x - body.origin.x, body.center.y - body.origin.y});
+  for (const Shape& shape : *body.shapes) {
+    extent.size = std::max(extent.size, size_of_shape(shape));
+    for (const Point& p : engine::core_of(shape))
+      extent.reach = std::max(extent.reach, std::hypot(p.x - center.x, p.y - center.y) + shape.radius);
+  }
+  if (extent.size == 0) extent.size = infinite;
+  return extent;
+}
+
+bool is_dynamic(const BodyReport& body) {
+  return body.type == BodyType::dynamic_body;
+}
+double inverse_of(double value) {
+  return value > 0 ? 1 / value : 0;
+}
+Point velocity_at(const BodyReport& body, const Point& p) {
+  const Point arm{p.x - body.center.x, p.y - body.center.y};
+  return {body.velocity.x - body.angular_velocity * arm.y, body.velocity.y + body.angular_velocity * arm.x};
+}
+
+/// The rows of a table of the state, by names of columns.
+class TableReader {
+ public:
+  TableReader(const StateView& state, std::string_view table, engine::Precision precision) : precision_(precision) {
+    const auto found = state.schema->find_table(table);
+    if (!found) return;
+    schema_ = &state.schema->tables[*found];
+    rows_ = &state.tables[*found];
+  }
+  std::size_t size() const { return rows_ ? rows_->row_count : 0; }
+  std::uint32_t whole(std::size_t row, std::string_view column) const { return read<std::uint32_t>(row, column, 0); }
+  double real(std::size_t row, std::string_view column, std::size_t lane = 0) const {
+    return precision_ == engine::Precision::f32 ? double{read<float>(row, column, lane)}
+                                                : read<double>(row, column, lane);
+  }
+
+ private:
+  template <typename T>
+  T read(std::size_t row, std::string_view name, std::size_t lane) const {
+    T value{};
+    for (const Column& column : schema_->columns)
+      if (column.name == name)
+        std::memcpy(&value, rows_->data + row * schema_->row_size + column.offset + lane * sizeof value, sizeof value);
+    return value;
+  }
+  engine::Precision precision_;
+  const TableSchema* schema_ = nullptr;
+  const TableRows* rows_ = nullptr;
+};
+
+/// Sets of bodies that are tied together.
+class Groups {
+ public:
+  explicit Groups(std::size_t count) : parent_(count) { std::iota(parent_.begin(), parent_.end(), 0u); }
+  std::uint32_t of(std::uint32_t i) {
+    while (parent_[i] != i) i = parent_[i] = parent_[parent_[i]];
+    return i;
+  }
+  void tie(std::uint32_t a, std::uint32_t b) { parent_[of(a)] = of(b); }
+
+ private:
+  std::vector<std::uint32_t> parent_;
+};
+
+/// A contact point or a joint whose error is above its tolerance.
+struct Offence {
+  std::pair<std::uint32_t, std::uint32_t> key;
+  std::uint32_t body_a = 0;  // index in the reports
+  std::uint32_t body_b = 0;
+  Breach breach;
+  double push = 0;      // m/s, of the bias
+  double settling = 0;  // s
+  bool is_explained = false;
+};
+
+/// The world at the end of a tick.
+struct TickView {
+  const engine::Scene& scene;
+  double dt;
+  Bodies bodies;
+  std::vector<ContactReport> contacts;
+  TableReader joints;
+  std::map<std::uint32_t, std::uint32_t> index;  // [body id]
+  std::vector<double> h;                         // [body], s
+  std::vector<Extent> extents;                   // [body]
+  double push_share;                             // of a push that moves bodies
+
+  double substep_of(std::uint32_t a, std::uint32_t b) const {
+    return std::max(is_dynamic(bodies[a]) ? h[a] : 0, is_dynamic(bodies[b]) ? h[b] : 0);
+  }
+  /// The error that is no matter, m.
+  double slack_of(std::uint32_t a, std::uint32_t b) const {
+    const double epsilon = scene.settings.precision == engine::Precision::f32
+                               ? double{std::numeric_limits<float>::epsilon()}
+                               : std::numeric_limits<double>::epsilon();
+    double coordinates = 0;
+    for (const std::uint32_t i : {a, b}) coordinates += std::fabs(bodies[i].center.x) + std::fabs(bodies[i].center.y);
+    return size_share * std::min(extents[a].size, extents[b].size) + epsilon_count * epsilon * coordinates;
+  }
+  bool is_fixed(std::uint32_t a, std::uint32_t b) const { return !is_dynamic(bodies[a]) && !is_dynamic(bodies[b]); }
+};
+
+/// The length of a substep of each body. A budget may give fewer substeps than the state names, at least the scene's.
+std::vector<double> substeps_of(const engine::Scene& scene, const StateView& state, double dt,
+                                const std::map<std::uint32_t, std::uint32_t>& index) {
+  std::vector<double> h(index.size(), dt / scene.settings.substeps);
+  if (scene.settings.substep_budget > 0) return h;
+  const TableReader rows(state, "substeps", scene.settings.precision);
+  for (std::size_t i = 0; i < rows.size(); ++i)
+    if (const auto found = index.find(rows.whole(i, "body")); found != index.end())
+      h[found->second] = dt / rows.whole(i, "count");
+  return h;
+}
+
+bool overlaps(const ContactReport& contact) {
+  return contact.separation[0] < 0 || (contact.point_count == 2 && contact.separation[1] < 0);
+}
+
+/// Joints that are off, and the speed at which joints pull each body.
+std::vector<Offence> joint_offences(const TickView& view, std::vector<double>& pulled) {
+  std::vector<Offence> list;
+  const std::vector<double> gaps = joint_gaps(view.scene, view.bodies);
+  const bool is_direct = view.scene.settings.joints == engine::JointSolverKind::direct;
+  for (std::size_t i = 0; i < view.joints.size(); ++i) {
+    const std::uint32_t number = view.joints.whole(i, "joint");
+    const Joint& joint = view.scene.joints[number];
+    const double gap = gaps[number];
+    if (!(gap > 0) || !engine::has_body_a(joint.kind)) continue;
+    const std::uint32_t ends[2] = {view.index.at(joint.body_a), view.index.at(joint.body_b)};
+    if (view.is_fixed(ends[0], ends[1])) continue;
+    const BodyReport* pair[2] = {&view.bodies[ends[0]], &view.bodies[ends[1]]};
+    const Point arms[2] = {rotated(pair[0]->angle, joint.anchor_a), rotated(pair[1]->angle, joint.anchor_b)};
+    const Point places[2] = {{pair[0]->origin.x + arms[0].x, pair[0]->origin.y + arms[0].y},
+                             {pair[1]->origin.x + arms[1].x, pair[1]->origin.y + arms[1].y}};
+    const double h = view.substep_of(ends[0], ends[1]);
+    double mobility = 0, mobility_of_torque = 0, turned_away = 0;
+    for (int k = 0; k < 2; ++k) {
+      // The forces of sliders act at B's anchor.
+      const Point& at = places[engine::has_field(joint.kind, engine::JointField::axis) ? 1 : k];
+      const double arm = std::hypot(at.x - pair[k]->center.x, at.y - pair[k]->center.y) + gap;
+      if (is_dynamic(*pair[k])) {
+        mobility += inverse_of(pair[k]->mass) + inverse_of(pair[k]->inertia) * arm * arm;
+        mobility_of_torque += inverse_of(pair[k]->inertia) * arm;
+      }
+      turned_away += arm * std::pow(pair[k]->angular_velocity * h, 2);
+    }
+    if (joint.kind == JointKind::pulley) {
+      const double side_a = std::hypot(places[0].x - joint.ground_anchor_a.x, places[0].y - joint.ground_anchor_a.y);
+      const double side_b = std::hypot(places[1].x - joint.ground_anchor_b.x, places[1].y - joint.ground_anchor_b.y);
+      if (std::min(side_a, side_b) < short_pulley_side * joint.length) continue;
+      mobility *= 1 + joint.ratio * joint.ratio;
+    }
+    const SoftLaw law = soft_law(joint_hertz_h, joint_damping_ratio, h);
+    const double force = std::hypot(view.joints.real(i, "linear_force", 0), view.joints.real(i, "linear_force", 1));
+    const double torque = std::fabs(view.joints.real(i, "torque"));
+    const double tolerance = view.slack_of(ends[0], ends[1]) + turned_away;
+    Offence offence;
+    offence.push = law.bias_rate * gap;
+    for (const std::uint32_t end : ends) pulled[end] = std::max(pulled[end], offence.push);
+    if (gap <= tolerance) continue;
+    offence.key = {number, 0};
+    offence.body_a = ends[0];
+    offence.body_b = ends[1];
+    offence.breach.first = number;
+    offence.breach.error = gap;
+    offence.breach.tolerance = tolerance;
+    offence.breach.yielded = load_factor * (force * mobility + torque * mobility_of_torque) / (law.omega * law.omega);
+    // A push with the energy of both bodies at that speed parts two equal ones at twice the speed.
+    const double direct_speed = direct_push_speed * (is_dynamic(*pair[0]) && is_dynamic(*pair[1]) ? 2 : 1);
+    const double rate = std::min(law.bias_rate, is_direct ? direct_push_rate : infinite);
+    offence.settling = settling_time(gap, tolerance, rate, is_direct ? direct_speed : push_speed) / view.push_share;
+    list.push_back(offence);
+  }
+  return list;
+}
+
+/// Overlap that arises within a tick because a contact's normal and points stay: by sliding, and by rolling.
+double moved_within(const TickView& view, const ContactReport& contact, int point, std::uint32_t a, std::uint32_t b,
+                    double bias_rate) {
+  const Point va = velocity_at(view.bodies[a], contact.point[point]);
+  const Point vb = velocity_at(view.bodies[b], contact.point[point]);
+  const double slid = std::fabs((vb.x - va.x) * contact.normal.y - (vb.y - va.y) * contact.normal.x) * view.dt;
+  const double turn =
+      (std::fabs(view.bodies[a].angular_velocity) + std::fabs(view.bodies[b].angular_velocity)) * view.dt;
+  // Each tick adds the versine of the turn, and takes a share of what is there.
+  const double rolled =
+      0.5 * turn * turn * std::min(view.extents[a].reach, view.extents[b].reach) / (1 - std::exp(-bias_rate * view.dt));
+  return slid + std::min(rolled, 0.5 * std::min(view.extents[a].size, view.extents[b].size));
+}
+
+/// Contact points that are off, and the speed at which contacts push each body.
+std::vector<Offence> contact_offences(const TickView& view, const std::vector<std::uint8_t>& is_crushed,
+                                      std::vector<double>& pushed) {
+  std::vector<Offence> list;
+  for (const ContactReport& contact : view.contacts) {
+    const std::uint32_t a = view.index.at(contact.body_a), b = view.index.at(contact.body_b);
+    if (view.is_fixed(a, b) || is_crushed[a] || is_crushed[b]) continue;
+    const bool are_moving = is_dynamic(view.bodies[a]) && is_dynamic(view.bodies[b]);
+    const SoftLaw law =
+        soft_law(are_moving ? contact_hertz_h : 2 * contact_hertz_h, contact_damping_ratio, view.substep_of(a, b));
+    for (int i = 0; i < contact.point_count; ++i) {
+      const double overlap = -contact.separation[i];
+      const double tolerance = view.slack_of(a, b) + moved_within(view, contact, i, a, b, law.bias_rate);
+      if (overlap <= tolerance) continue;
+      double mobility = 0;
+      for (const std::uint32_t end : {a, b}) {
+        const BodyReport& body = view.bodies[end];
+        if (!is_dynamic(body)) continue;
+        const double lever = (contact.point[i].x - body.center.x) * contact.normal.y -
+                             (contact.point[i].y - body.center.y) * contact.normal.x;
+        mobility += inverse_of(body.mass) + inverse_of(body.inertia) * lever * lever;
+      }
+      Offence offence;
+      offence.key = {contact.body_a, contact.body_b};
+      offence.body_a = a;
+      offence.body_b = b;
+      offence.breach.first = contact.body_a;
+      offence.breach.second = contact.body_b;
+      offence.breach.error = overlap;
+      offence.breach.tolerance = tolerance;
+      offence.breach.yielded = load_factor * contact.normal_force[i] * mobility / (law.omega * law.omega);
+      offence.push = std::min(law.bias_rate * overlap, push_speed);
+      // A contact that pushes as hard as it can yields without bound.
+      offence.is_explained = offence.breach.yielded >= push_speed / law.bias_rate;
+      offence.settling = settling_time(overlap, tolerance, law.bias_rate, push_speed) / view.push_share;
+      for (const std::uint32_t end : {a, b}) pushed[end] = std::max(pushed[end], offence.push);
+      list.push_back(offence);
+    }
+  }
+  return list;
+}
+
+/// Bodies between two shapes of one body, or between two immovable ones.
+void find_squeezed(const TickView& view, std::vector<std::uint8_t>& is_crushed) {
+  struct Side {
+    std::uint32_t other;
+    Point normal;
+  };
+  std::vector<std::vector<Side>> sides(view.bodies.size());
+  for (const ContactReport& contact : view.contacts) {
+    if (!overlaps(contact)) continue;
+    const std::uint32_t a = view.index.at(contact.body_a), b = view.index.at(contact.body_b);
+    sides[a].push_back({b, contact.normal});
+    sides[b].push_back({a, {-contact.normal.x, -contact.normal.y}});
+  }
+  for (std::uint32_t i = 0; i < view.bodies.size(); ++i) {
+    if (!is_dynamic(view.bodies[i])) continue;
+    for (const Side& one : sides[i])
+      for (const Side& two : sides[i])
+        if (one.normal.x * two.normal.x + one.normal.y * two.normal.y < opposite &&
+            (one.other == two.other || view.is_fixed(one.other, two.other)))
+          is_crushed[i] = 1;
+  }
+}
+
+/// Groups of touching and joined bodies that a moving kinematic body drives, and another immovable body holds.
+void find_driven(const TickView& view, std::vector<std::uint8_t>& is_crushed) {
+  const auto count = static_cast<std::uint32_t>(view.bodies.size());
+  Groups groups(count);
+  const auto tie = [&](std::uint32_t a, std::uint32_t b) {
+    if (is_dynamic(view.bodies[a]) && is_dynamic(view.bodies[b])) groups.tie(a, b);
+  };
+  for (const ContactReport& contact : view.contacts)
+    if (overlaps(contact)) tie(view.index.at(contact.body_a), view.index.at(contact.body_b));
+  for (std::size_t i = 0; i < view.joints.size(); ++i) {
+    std::optional<std::uint32_t> last;
+    engine::for_each_body(view.scene, view.scene.joints[view.joints.whole(i, "joint")], [&](std::uint32_t id) {
+      if (!is_dynamic(view.bodies[view.index.at(id)])) return;
+      if (last) tie(*last, view.index.at(id));
+      last = view.index.at(id);
+    });
+  }
+  struct Hold {
+    std::optional<std::uint32_t> first;  // immovable body
+    bool is_driven = false;
+    bool has_two = false;
+  };
+  std::vector<Hold> holds(count);
+  const auto hold = [&](std::uint32_t wall, std::uint32_t body, bool is_driven) {
+    Hold& at = holds[groups.of(body)];
+    at.has_two |= at.first && *at.first != wall;
+    if (!at.first) at.first = wall;
+    at.is_driven |= is_driven;
+  };
+  for (const ContactReport& contact : view.contacts) {
+    const std::uint32_t a = view.index.at(contact.body_a), b = view.index.at(contact.body_b);
+    if (!overlaps(contact) || is_dynamic(view.bodies[a]) == is_dynamic(view.bodies[b])) continue;
+    const std::uint32_t wall = is_dynamic(view.bodies[a]) ? b : a;
+    bool is_driven = false;
+    for (int i = 0; i < contact.point_count; ++i) {
+      const Point v = velocity_at(view.bodies[wall], contact.point[i]);
+      is_driven |= (wall == a ? 1 : -1) * (v.x * contact.normal.x + v.y * contact.normal.y) > 0;
+    }
+    hold(wall, wall == a ? b : a, is_driven);
+  }
+  // Between impacts, bodies need not touch what drives them at the end of a tick.
+  for (std::uint32_t wall = 0; wall < count; ++wall) {
+    const BodyReport& body = view.bodies[wall];
+    if (body.type != BodyType::kinematic_body || (speed_of(body) == 0 && body.angular_velocity == 0)) continue;
+    for (std::uint32_t i = 0; i < count; ++i) {
+      const BodyReport& other = view.bodies[i];
+      if (!is_dynamic(other)) continue;
+      const double way = std::hypot(other.velocity.x - body.velocity.x, other.velocity.y - body.velocity.y) * view.dt;
+      const double distance = std::hypot(other.center.x - body.center.x, other.center.y - body.center.y);
+      if (distance <= view.extents[i].reach + view.extents[wall].reach + way) hold(wall, i, true);
+    }
+  }
+  for (std::uint32_t i = 0; i < count; ++i)
+    if (is_dynamic(view.bodies[i]) && holds[groups.of(i)].is_driven && holds[groups.of(i)].has_two) is_crushed[i] = 1;
+}
+
+/// Of two constraints that contradict each other, the one with the slower push gives way. `other`: [body], m/s.
+void explain(std::vector<Offence>& list, const std::vector<double>& other) {
+  for (Offence& offence : list)
+    offence.is_explained |= offence.breach.error <= offence.breach.tolerance + offence.breach.yielded ||
+                            std::max(other[offence.body_a], other[offence.body_b]) > offence.push;
+}
+
+/// What is off together is pushed out together: the time of the slowest, and the way of all.
+std::vector<double> times_of_clusters(const TickView& view, const std::vector<const Offence*>& offences,
+                                      Groups& clusters) {
+  const auto cluster_of = [&](const Offence& offence) {
+    return clusters.of(is_dynamic(view.bodies[offence.body_a]) ? offence.body_a : offence.body_b);
+  };
+  for (const Offence* offence : offences)
+    if (is_dynamic(view.bodies[offence->body_a]) && is_dynamic(view.bodies[offence->body_b]))
+      clusters.tie(offence->body_a, offence->body_b);
+  std::vector<double> ways(view.bodies.size()), longest(view.bodies.size()), times;
+  for (const Offence* offence : offences) {
+    const std::uint32_t cluster = cluster_of(*offence);
+    ways[cluster] += offence->breach.error;
+    longest[cluster] = std::max(longest[cluster], offence->settling);
+  }
+  for (const Offence* offence : offences) {
+    const std::uint32_t cluster = cluster_of(*offence);
+    times.push_back(seen_ticks * view.dt + longest[cluster] + ways[cluster] / (push_speed * view.push_share));
+  }
+  return times;
+}
+
+/// Runs the clocks of what is off without a reason. A clock runs back while there is a reason.
+template <typename Clocks>
+void run_clocks(const std::vector<Offence>& list, const double* allowed_s, double dt, std::uint64_t tick,
+                Clocks& clocks, std::optional<Breach>& broken) {
+  for (auto& [key, clock] : clocks) clock.is_running = false;
+  for (std::size_t i = 0; i < list.size(); ++i) {
+    if (list[i].is_explained) continue;
+    auto& clock = clocks[list[i].key];
+    // What grows later is not pushed out.
+    if (clock.lasted_s <= seen_ticks * dt) clock.allowed_s = std::max(clock.allowed_s, allowed_s[i]);
+    if (!clock.is_running) clock.lasted_s += dt;
+    clock.is_running = true;
+    if (clock.lasted_s <= clock.allowed_s || broken) continue;
+    broken = list[i].breach;
+    broken->tick = tick;
+    broken->lasted_s = clock.lasted_s;
+    broken->allowed_s = clock.allowed_s;
+  }
+  for (auto at = clocks.begin(); at != clocks.end();) {
+    if (!at->second.is_running) at->second.lasted_s -= dt;
+    at = at->second.lasted_s <= 0 ? clocks.erase(at) : std::next(at);
+  }
+}
+
+std::string breach_text(const Breach& breach, const std::string& what) {
+  return what + " by " + short_number(breach.error) + " m at tick " + std::to_string(breach.tick) + ": expected " +
+         short_number(breach.tolerance) + " m and " + short_number(breach.yielded) + " m by the load after " +
+         short_number(breach.allowed_s) + " s";
+}
+
+}  // namespace
+
+std::string overlap_text(const Breach& breach) {
+  return breach_text(breach,
+                     "bodies " + std::to_string(breach.first) + " and " + std::to_string(breach.second) + " overlap");
+}
+
+std::string gap_text(const Breach& breach) {
+  return breach_text(breach, "joint " + std::to_string(breach.first) + " is off");
+}
+
+bool promises_accuracy(const engine::Settings& settings) {
+  return !info_of(engine::solvers, settings.solver).is_baseline &&
+         !info_of(engine::integrators, settings.integrator).is_baseline;
+}
+
+void ConstraintLaw::look(const engine::Engine& engine, double dt) {
+  const StateView& state = engine.state();
+  // One pass moves what touches several bodies by half of a push at worst. Schemes that take half of a force take half
+  // of a push that is no larger than a force.
+  const bool takes_all = scene_.settings.integrator == engine::IntegratorKind::semi_implicit_euler;
+  TickView view{
+      scene_, dt, engine.bodies(),       engine.contacts(), TableReader(state, "joints", scene_.settings.precision), {},
+      {},     {}, takes_all ? 0.5 : 0.25};
+  for (std::uint32_t i = 0; i < view.bodies.size(); ++i) {
+    const BodyReport& body = view.bodies[i];
+    view.index[body.id] = i;
+    const auto known = extents_.find(body.id);
+    view.extents.push_back(known != extents_.end() ? known->second
+                                                   : extents_.emplace(body.id, extent_of(body)).first->second);
+  }
+  view.h = substeps_of(scene_, state, dt, view.index);
+  std::vector<std::uint8_t> is_crushed(view.bodies.size());
+  find_squeezed(view, is_crushed);
+  find_driven(view, is_crushed);
+
+  std::vector<double> pulled(view.bodies.size()), pushed(view.bodies.size());
+  std::vector<Offence> joints = joint_offences(view, pulled);
+  std::vector<Offence> contacts = contact_offences(view, is_crushed, pushed);
+  explain(contacts, pulled);
+  explain(joints, pushed);
+  std::vector<const Offence*> all;
+  for (const Offence& offence : contacts) all.push_back(&offence);
+  for (const Offence& offence : joints) all.push_back(&offence);
+  Groups clusters(view.bodies.size());
+  const std::vector<double> times = times_of_clusters(view, all, clusters);
+  run_clocks(contacts, times.data(), dt, engine.tick() - 1, contact_clocks_, overlap_);
+  run_clocks(joints, times.data() + contacts.size(), dt, engine.tick() - 1, joint_clocks_, gap_);
+}
+
+}  // namespace ticktrue::verifier::soak
