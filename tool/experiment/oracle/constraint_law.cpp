@@ -10,6 +10,7 @@
 #include <numeric>
 
 #include "engine/math/trig.h"
+#include "engine/math/union_find.h"
 #include "engine/scene/hull.h"
 #include "tool/study/table.h"
 
@@ -143,11 +144,8 @@ class TableReader {
 class Groups {
  public:
   explicit Groups(std::size_t count) : parent_(count) { std::iota(parent_.begin(), parent_.end(), 0u); }
-  std::uint32_t of(std::uint32_t i) {
-    while (parent_[i] != i) i = parent_[i] = parent_[parent_[i]];
-    return i;
-  }
-  void tie(std::uint32_t a, std::uint32_t b) { parent_[of(a)] = of(b); }
+  std::uint32_t of(std::uint32_t i) { return engine::find_root(parent_, i); }
+  void tie(std::uint32_t a, std::uint32_t b) { engine::unite(parent_, a, b); }
 
  private:
   std::vector<std::uint32_t> parent_;
