@@ -75,7 +75,7 @@ void write_row(const BodyRow& a, std::uint32_t child_a, const BodyRow& b, std::u
 
 /// Whether a manifold is that of two circles whose centres are the same, up to rounding.
 bool is_in_one_point(const Manifold& manifold, const ShapeModel& a, const ShapeModel& b) {
-  return manifold.points[0].separation == -a.radius - b.radius && manifold.point_count == 1 &&
+  return manifold.point_count == 1 && manifold.points[0].separation == -a.radius - b.radius &&
          a.family == ShapeFamily::circle && b.family == ShapeFamily::circle;
 }
 

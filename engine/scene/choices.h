@@ -55,7 +55,7 @@ struct SolverInfo : Choice<SolverKind> {
   bool substeps;            // false: settings.substeps must be 1
   bool chooses_joints;      // false: settings.joints must be `iterative`
   bool reads_contacts;      // false: every shape but circle and sharp polygon, filters, sensors, events are refused
-  bool is_baseline;         // true: to be compared with; nothing bounds its overlaps, gaps and energy
+  bool is_baseline;         // true: to be compared with; nothing bounds its overlaps and gaps
 };
 inline constexpr std::array<SolverInfo, 4> solvers{{
     {{SolverKind::free_flight, "free_flight", "integrates; nothing collides"}, false, false, true, false, false, false},
@@ -89,7 +89,7 @@ struct IntegratorInfo : Choice<IntegratorKind> {
   double stability_limit;     // largest w h at which an undamped oscillation does not grow; 0: it always grows
   bool carries_constraints;   // false: a scene with contacts or joints is refused
   std::string_view why_free;  // the reason, if it carries none
-  bool is_baseline = false;   // true: to be compared with; nothing bounds its overlaps, gaps and energy
+  bool is_baseline = false;   // true: to be compared with; nothing bounds its overlaps and gaps
 };
 inline constexpr std::array<IntegratorInfo, 9> integrators{{
     {{IntegratorKind::semi_implicit_euler, "semi_implicit_euler", "symplectic, stable for w h < 2"}, 1, 2, true, ""},

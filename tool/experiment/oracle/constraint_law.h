@@ -28,7 +28,7 @@ struct Breach {
 std::string overlap_text(const Breach& breach);
 std::string gap_text(const Breach& breach);
 
-/// Whether docs/physics.md bounds overlaps, gaps and energy of a world with these settings.
+/// Whether docs/physics.md bounds overlaps and gaps of a world with these settings.
 bool promises_accuracy(const engine::Settings& settings);
 
 /// Follows a run of a solver with soft constraints tick by tick. The constants are those of docs/physics.md, so an

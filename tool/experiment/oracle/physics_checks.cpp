@@ -7,6 +7,7 @@
 #include <cstring>
 #include <limits>
 #include <map>
+#include <optional>
 
 #include "tool/experiment/oracle/constraint_law.h"
 #include "tool/experiment/shrink.h"
@@ -176,18 +177,18 @@ PhysicsCounts count_physics(const RunContext& context, const BaseRun& base) {
   counts.broken[3] = base.ran_away;
   counts.broken[4] = base.joints_failed;
   counts.is_judged = promises_accuracy(scene.settings);
-  if (!counts.is_judged) return counts;
   const auto made = context.make(scene, {});
   if (!made) return counts;
   engine::Engine& engine = **made;
   const bool is_closed = is_undriven(context.soak_case);
   double lowest = std::numeric_limits<double>::infinity();
   double kinetic = 0;
-  ConstraintLaw law(scene);
+  std::optional<ConstraintLaw> law;
+  if (counts.is_judged) law.emplace(scene);
   for (std::uint64_t tick = 0; tick < base.tick_count; ++tick) {
     const TickInput input = context.inputs.at(tick);
     if (step_tick(engine, input, tick, {})) break;
-    law.look(engine, input.dt);
+    if (law) law->look(engine, input.dt);
     if (tick % sample_ticks != sample_ticks - 1) continue;
     const Bodies bodies = engine.bodies();
     const double energy = energy_of(scene, bodies);
@@ -195,10 +196,11 @@ PhysicsCounts count_physics(const RunContext& context, const BaseRun& base) {
     lowest = std::min(lowest, energy);
     if (is_closed && energy > lowest + energy_rise_max * kinetic) counts.broken[0] = true;
   }
-  counts.broken[1] = law.gap().has_value();
-  counts.broken[2] = law.overlap().has_value();
-  if (law.gap()) counts.texts.push_back(gap_text(*law.gap()));
-  if (law.overlap()) counts.texts.push_back(overlap_text(*law.overlap()));
+  if (!law) return counts;
+  counts.broken[1] = law->gap().has_value();
+  counts.broken[2] = law->overlap().has_value();
+  if (law->gap()) counts.texts.push_back(gap_text(*law->gap()));
+  if (law->overlap()) counts.texts.push_back(overlap_text(*law->overlap()));
   return counts;
 }
 

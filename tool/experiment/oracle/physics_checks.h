@@ -28,7 +28,7 @@ inline constexpr std::array<std::string_view, 5> physics_checks{"energy", "joint
 struct PhysicsCounts {
   std::string cause;                                 // "tgs_soft rk4 with joints"
   std::array<bool, physics_checks.size()> broken{};  // [check]
-  bool is_judged = false;                            // by the first three rules: promises_accuracy
+  bool is_judged = false;                            // by the law of soft constraints: promises_accuracy
   std::vector<std::string> texts;                    // what is off, where, and when
 };
 PhysicsCounts count_physics(const RunContext& context, const BaseRun& base);

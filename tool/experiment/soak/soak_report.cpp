@@ -159,9 +159,8 @@ std::string soak_text(const SoakOptions& options, const SoakReport& report, cons
     text += fmt::format("  physics of the first {} worlds: {}\n", options.known_world_count,
                         counters.world_count >= options.known_world_count ? "compared with what is known"
                                                                           : "not compared, too few worlds were run") +
-            fmt::format(
-                "  energy, gaps and overlaps: {} worlds judged, {} not, of solvers or integrators that promise none\n",
-                counters.judged_count, counters.unjudged_count);
+            fmt::format("  gaps and overlaps: {} worlds judged, {} not, of solvers or integrators that promise none\n",
+                        counters.judged_count, counters.unjudged_count);
   for (const std::string& line : counters.physics_texts) text += "  physics  " + line + "\n";
   text += fmt::format("  ticks   {}, body-ticks {}\n", counters.tick_count, counters.body_ticks);
   text += fmt::format("  ended   {} worlds early: {} in which a body ran away, {} with joints that became non-finite\n",
