@@ -116,6 +116,19 @@ TEST_CASE("discs of two sizes in one point part without a jump", "[engine][conta
   CHECK(deepest_overlap(*engine) < 0.01);
 }
 
+TEST_CASE("the contact of two discs in one point lies halfway between their surfaces", "[engine][contacts][crowds]") {
+  Scene scene = crowd_of(1, disc_shape(0.5), 0, false, Precision::f64);
+  scene.bodies.push_back(body_of(disc_shape(0.125), {0, 2}));
+  const auto engine = make_engine_or_fail(scene);
+  run_ticks(*engine, 1);
+  REQUIRE(engine->contacts().size() == 1);
+  const engine::ContactReport contact = engine->contacts()[0];
+  // In the tick the bodies move by at most 3 m/s.
+  CHECK(std::abs(contact.point[0].x - 0.1875 * contact.normal.x) < 0.06);
+  CHECK(std::abs(contact.point[0].y - 2 - 0.1875 * contact.normal.y) < 0.06);
+  CHECK(std::abs(contact.normal.x) > 0.5);
+}
+
 TEST_CASE("two bodies inside each other are no crowd", "[engine][contacts][crowds]") {
   // The push of a pair is removed by the relax pass: what is left of it is small.
   Scene scene = crowd_of(2, disc_shape(0.5), 0, false, Precision::f64);
