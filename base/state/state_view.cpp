@@ -237,13 +237,14 @@ void decode_rows(const TableSchema& table, const ImageTable& rows, std::uint8_t*
 namespace {
 
 /// What the 32-bit words of rows are tested with: not finite if (word & mask) == want. Words without an exponent never
-/// are. Short rows are tested in groups, so that vectors cover a group without overlap. Rows of usual size need no
-/// memory from the heap.
+/// are. Short rows of long tables are tested in groups, so that vectors cover a group without overlap. Rows of usual
+/// size need no memory from the heap.
 class ExponentTests {
  public:
-  explicit ExponentTests(const TableSchema& table) : row_words_(table.row_size / 4) {
+  ExponentTests(const TableSchema& table, std::size_t row_count) : row_words_(table.row_size / 4) {
     if (table.row_size % 4 != 0) return;
-    while (word_count() % vector_words != 0 && 2 * word_count() <= few_words) group_rows_ *= 2;
+    const bool groups = row_count >= grouped_rows_least || row_words_ < kernel_words_least;
+    while (groups && word_count() % vector_words != 0 && 2 * word_count() <= few_words) group_rows_ *= 2;
     if (word_count() > few_words) many_.resize(2 * word_count());
     std::uint32_t* const mask = many_.empty() ? few_ : many_.data();
     std::uint32_t* const want = mask + word_count();
@@ -291,6 +292,8 @@ class ExponentTests {
 
  private:
   static constexpr std::size_t vector_words = 8;  // of the widest kernels
+  static constexpr std::size_t kernel_words_least = 4;
+  static constexpr std::size_t grouped_rows_least = 64;  // fewer rows do not pay for longer masks
   static constexpr std::size_t few_words = 128;
 
   std::size_t word_count() const { return group_rows_ * row_words_; }  // of a group
@@ -308,7 +311,7 @@ class ExponentTests {
 bool is_suspect(const TableSchema& table, const TableRows& rows) {
   const auto is_float = [](const Column& column) { return scalar_info(column.type)->is_float; };
   if (rows.row_count == 0 || std::none_of(table.columns.begin(), table.columns.end(), is_float)) return false;
-  const ExponentTests tests(table);
+  const ExponentTests tests(table, rows.row_count);
   return !tests.exist() || tests.any_match(rows);
 }
 

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: MIT
 #include "engine/contacts/contact_batch.h"
 
+#include <algorithm>
 #include <atomic>
 #include <cstddef>
 
@@ -160,6 +161,38 @@ void store_batches(const SolvedSet& solved, const ContactBatches& batches, std::
                                  sizeof(ContactRow), 1 / solved.set.h);
 }
 
+/// Lists the batches of a set with contacts of crowds.
+void find_crowded(const SolvedSet& solved, ContactBatches& out) {
+  out.crowded.clear();
+  if (solved.tick.deep_counts.empty()) return;
+  for (std::uint32_t i = solved.set.first_batch; i < solved.set.batch_end; ++i) {
+    CrowdedBatch crowded{i, 0, {}, {}};
+    for (int lane = 0; lane < out.batches[i].count; ++lane)
+      if (is_crowded(solved.tick, out.batches[i].contact[lane])) crowded.lanes |= 1u << lane;
+    if (crowded.lanes != 0) out.crowded.push_back(crowded);
+  }
+}
+
+/// The impulses of lanes in a crowd become those of before the push. The others stay.
+void take_back(const SolvedSet& solved, ContactBatches& batches, CrowdedBatch& crowded) {
+  ContactBatch& batch = batches.batches[crowded.batch];
+  const auto for_each_lane = [&](auto use) {
+    for (int point = 0; point < 2; ++point)
+      for (int lane = 0; lane < contact_lane_count; ++lane) {
+        const bool in_crowd = (crowded.lanes >> lane & 1) != 0;
+        use(in_crowd, batch.points[point].normal_impulse.at[lane], crowded.normal[point].at[lane]);
+        use(in_crowd, batch.points[point].tangent_impulse.at[lane], crowded.tangent[point].at[lane]);
+      }
+  };
+  for_each_lane([](bool in_crowd, Real& impulse, Real& after) {
+    const Real change = in_crowd ? after - impulse : Real(0);
+    after = in_crowd ? after : impulse;
+    impulse = change;
+  });
+  solved.kernels().contacts.warm_start(work_of(solved, batches, crowded.batch, crowded.batch + 1));
+  for_each_lane([](bool, Real& impulse, Real& after) { impulse = after; });
+}
+
 }  // namespace
 
 void clear_contacts(ContactBatches& batches) {
@@ -195,6 +228,7 @@ void prepare_contacts(const SolvedSet& solved, const ContactColors& colors, Cont
                    dummy_sink(solved.bodies, chunk.index));
     });
   }
+  find_crowded(solved, out);
 }
 
 void warm_start_contacts(const SolvedSet& solved, ContactBatches& batches) {
@@ -205,37 +239,25 @@ void solve_contacts(const SolvedSet& solved, ContactBatches& batches) {
   for_colors(solved, batches, solved.kernels().contacts.solve);
 }
 
-void save_before_push(const SolvedSet& solved, ContactBatches& out) {
-  out.before_push.clear();
-  if (solved.tick.deep_counts.empty()) return;
-  for (std::uint32_t i = solved.set.first_batch; i < solved.set.batch_end; ++i)
-    for (const ContactPointLanes& point : out.batches[i].points)
-      out.before_push.push_back({point.normal_impulse, point.tangent_impulse});
+void save_before_push(ContactBatches& out) {
+  for (CrowdedBatch& crowded : out.crowded)
+    for (int point = 0; point < 2; ++point) {
+      crowded.normal[point] = out.batches[crowded.batch].points[point].normal_impulse;
+      crowded.tangent[point] = out.batches[crowded.batch].points[point].tangent_impulse;
+    }
 }
 
 void take_back_pushes(const SolvedSet& solved, ContactBatches& batches) {
-  if (batches.before_push.empty()) return;
-  const auto for_each_point = [&](auto use) {
-    std::size_t next = 0;
-    for (std::uint32_t i = solved.set.first_batch; i < solved.set.batch_end; ++i) {
-      ContactBatch& batch = batches.batches[i];
-      for (ContactPointLanes& point : batch.points) {
-        ImpulseLanes& before = batches.before_push[next++];
-        for (int lane = 0; lane < contact_lane_count; ++lane) {
-          const bool in_crowd = lane < batch.count && is_crowded(solved.tick, batch.contact[lane]);
-          use(in_crowd, point.normal_impulse.at[lane], before.normal.at[lane]);
-          use(in_crowd, point.tangent_impulse.at[lane], before.tangent.at[lane]);
-        }
-      }
-    }
-  };
-  for_each_point([](bool in_crowd, Real& impulse, Real& after) {
-    const Real change = in_crowd ? after - impulse : Real(0);
-    after = in_crowd ? after : impulse;
-    impulse = change;
-  });
-  warm_start_contacts(solved, batches);
-  for_each_point([](bool, Real& impulse, Real& after) { impulse = after; });
+  std::vector<CrowdedBatch>& crowded = batches.crowded;
+  if (crowded.empty()) return;
+  for (std::uint32_t i = solved.set.first_run; i < solved.set.run_end; ++i) {
+    const BatchRun& run = batches.runs[i];
+    solved.parallel().for_chunks(run.end - run.first, run.chunk_size, [&](const Chunk& chunk) {
+      const auto is_before = [](const CrowdedBatch& of, std::size_t batch) { return of.batch < batch; };
+      auto at = std::lower_bound(crowded.begin(), crowded.end(), run.first + chunk.begin, is_before);
+      for (; at != crowded.end() && at->batch < run.first + chunk.end; ++at) take_back(solved, batches, *at);
+    });
+  }
 }
 
 void relax_contacts(const SolvedSet& solved, ContactBatches& batches) {

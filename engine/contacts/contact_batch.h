@@ -23,8 +23,11 @@ struct BatchRun {
   std::size_t chunk_size;  // in batches
 };
 
-struct ImpulseLanes {
-  ContactLanes normal, tangent;  // N s
+/// A batch with contacts of crowds, and what its contacts get for pushing them apart.
+struct CrowdedBatch {
+  std::uint32_t batch;
+  std::uint32_t lanes;                 // bit i: lane i is in a crowd
+  ContactLanes normal[2], tangent[2];  // [point] N s: before the push
 };
 
 struct ContactBatches {
@@ -32,16 +35,16 @@ struct ContactBatches {
   std::vector<SurfaceLanes> surfaces;  // [batch]; empty if no material of the scene has surface effects
   std::vector<BounceLanes> bounces;    // [batch]; empty if the kernels leave restitution out
   std::size_t batch_count = 0;
-  std::vector<std::uint32_t> slots;       // [batch of the set, lane] contact or no_contact; for sets of some contacts
-  std::vector<BatchRun> runs;             // in solving order
-  std::vector<ContactLanes> saved;        // [batch of the set, point] normal impulses
-  std::vector<ImpulseLanes> before_push;  // [batch of the set, point]; empty if no contact is in a crowd
+  std::vector<std::uint32_t> slots;   // [batch of the set, lane] contact or no_contact; for sets of some contacts
+  std::vector<BatchRun> runs;         // in solving order
+  std::vector<ContactLanes> saved;    // [batch of the set, point] normal impulses
+  std::vector<CrowdedBatch> crowded;  // of the set, ascending
 };
 
 template <typename Visit>
 void list_fields(ContactBatches& of, const Visit& visit) {
-  auto& [batches, surfaces, bounces, batch_count, slots, runs, saved, before_push] = of;
-  visit(in_place(batches), in_place(surfaces), in_place(bounces), batch_count, slots, runs, saved, before_push);
+  auto& [batches, surfaces, bounces, batch_count, slots, runs, saved, crowded] = of;
+  visit(in_place(batches), in_place(surfaces), in_place(bounces), batch_count, slots, runs, saved, crowded);
 }
 
 /// The workspace and the caches of the contact solver.
@@ -73,7 +76,7 @@ void warm_start_contacts(const SolvedSet& solved, ContactBatches& batches);
 void solve_contacts(const SolvedSet& solved, ContactBatches& batches);
 /// Takes back the impulses that contacts of crowds got since save_before_push: what pushes a crowd apart moves bodies,
 /// and gives them no speed.
-void save_before_push(const SolvedSet& solved, ContactBatches& batches);
+void save_before_push(ContactBatches& batches);
 void take_back_pushes(const SolvedSet& solved, ContactBatches& batches);
 /// Removes the velocity that solve_contacts added to correct overlaps.
 void relax_contacts(const SolvedSet& solved, ContactBatches& batches);

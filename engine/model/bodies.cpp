@@ -17,6 +17,12 @@ std::size_t chunk_of_bodies(const TickLists& tick, std::size_t count) {
   return tick.parallel.chunk_size(count, 256);
 }
 
+/// An upper bound of the way of all points of a body since the tick began, m.
+Real travel_of(const MovingBody& moving, const BodyModel& constants) {
+  const Vec2 turn{moving.delta_rotation.c - 1, moving.delta_rotation.s};
+  return length(moving.delta_position) + length(turn) * constants.extent;
+}
+
 }  // namespace
 
 void prepare_bodies(const Model& model, const State& state, const TickLists& tick, SolverBodies& bodies) {
@@ -46,13 +52,16 @@ void prepare_bodies(const Model& model, const State& state, const TickLists& tic
   for (std::size_t record = count; record < bodies.records.size(); ++record) bodies.records[record] = at_rest;
 }
 
-void store_bodies(const SolverBodies& bodies, const TickLists& tick, State& state) {
+void store_bodies(const Model& model, const SolverBodies& bodies, TickLists& tick, State& state) {
   const std::size_t count = state.bodies.size();
+  const bool sleeps = !state.sleep.empty();
+  tick.travel.assign(sleeps ? count : 0, 0);
   tick.parallel.for_chunks(count, chunk_of_bodies(tick, count), [&](const Chunk& chunk) {
     for (std::size_t row = chunk.begin; row < chunk.end; ++row) {
       if (tick.body_solver_set[row] == no_solver_set) continue;
       BodyRow& body = state.bodies[row];
       const MovingBody& moving = bodies.records[row];
+      if (sleeps) tick.travel[row] = travel_of(moving, model.bodies[body.source]);
       body.position = stored(body.position + moving.delta_position);
       body.rotation = stored(normalized(moving.delta_rotation * body.rotation));
       body.velocity = stored(moving.velocity);

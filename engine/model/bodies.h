@@ -44,8 +44,8 @@ inline std::uint32_t dummy_sink(const SolverBodies& bodies, std::size_t chunk = 
   return static_cast<std::uint32_t>(bodies.masses.size() + (2 + chunk) * record_stride);
 }
 
-/// Stores poses and velocities of all bodies in solver sets.
-void store_bodies(const SolverBodies& bodies, const TickLists& tick, State& state);
+/// Stores poses and velocities of all bodies in solver sets, and fills TickLists::travel if the scene sleeps.
+void store_bodies(const Model& model, const SolverBodies& bodies, TickLists& tick, State& state);
 /// Stores velocities only, for stages after the solver.
 void store_velocities(const SolverBodies& bodies, const TickLists& tick, State& state);
 

@@ -52,6 +52,7 @@ struct TickLists {
   std::uint32_t contact_generation = 0;        // a different number whenever the contacts have changed
 
   // Written by the solver.
+  std::vector<Real> travel;                // [body] m: the farthest way of a point in this tick; if the scene sleeps
   std::vector<std::uint32_t> deep_counts;  // [body] deep overlaps with moving bodies; empty without a crowd
 
   // Written by the search for impacts.
@@ -77,13 +78,13 @@ struct TickLists {
 template <typename Visit>
 void list_fields(TickLists& of, const Visit& visit) {
   auto& [parallel, pair_count_max, inputs, force, torque, removed_touching, removed_sensors, injected, proxies, pairs,
-         has_too_many_pairs, changes, contact_pairs, contact_generation, deep_counts, impacts, has_solver_sets,
+         has_too_many_pairs, changes, contact_pairs, contact_generation, travel, deep_counts, impacts, has_solver_sets,
          solver_sets, set_rows, set_contacts, body_solver_set, island, island_level, island_has_resting_impact,
          resting_impacts, shock_work_left, shock_is_cut, load, mass_factor] = of;
   visit(force, torque, removed_touching, removed_sensors, proxies, pairs, has_too_many_pairs, changes, contact_pairs,
-        contact_generation, deep_counts, impacts, has_solver_sets, solver_sets, set_rows, set_contacts, body_solver_set,
-        island, island_level, island_has_resting_impact, resting_impacts, shock_work_left, shock_is_cut, load,
-        mass_factor);
+        contact_generation, travel, deep_counts, impacts, has_solver_sets, solver_sets, set_rows, set_contacts,
+        body_solver_set, island, island_level, island_has_resting_impact, resting_impacts, shock_work_left,
+        shock_is_cut, load, mass_factor);
 }
 
 /// Sets the lists as they are if the stages that write them are left out.

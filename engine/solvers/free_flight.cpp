@@ -24,7 +24,7 @@ void solve_free_flight(const Model& model, State& state, TickLists& tick, Solver
       scheme.predict(solved, work.motion, h);
       scheme.drift(solved, work.motion, h);
     }
-  store_bodies(work.bodies, tick, state);
+  store_bodies(model, work.bodies, tick, state);
   store_motion(work.motion, state);
 }
 

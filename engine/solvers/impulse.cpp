@@ -191,7 +191,7 @@ void solve_impulse(const Model& model, State& state, TickLists& tick, SolverWork
   warm_start_mouse_joints(work.mouse_joints, work.bodies);
   solve_mouse_joints(work.mouse_joints, work.bodies);
   scheme.drift(solved, work.motion, dt);
-  store_bodies(work.bodies, tick, state);
+  store_bodies(model, work.bodies, tick, state);
   store_motion(work.motion, state);
   store_mouse_joints(work.mouse_joints, state, dt);
 

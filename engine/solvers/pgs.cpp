@@ -55,7 +55,7 @@ void solve_pgs(const Model& model, State& state, TickLists& tick, SolverWork& wo
     store_joints(solved, joints, state);
     store_gears(solved, gears, state);
   }
-  store_bodies(work.bodies, tick, state);
+  store_bodies(model, work.bodies, tick, state);
   store_motion(work.motion, state);
 }
 

@@ -32,7 +32,7 @@ void solve_in_turn(SolvedSet& solved, TickLists& tick, SolverWork& work, State& 
     warm_start_gears(solved, gears);
     warm_start_mouse_joints(mouse_joints, bodies);
     warm_start_contacts(solved, contacts);
-    save_before_push(solved, contacts);
+    save_before_push(contacts);
     for (int turn = 0; turn < direct.turn_count; ++turn) {  // one, unless something acts on bodies of direct joints
       if (direct.turn_count > 1) solve_direct(solved, motion, direct);
       for (std::uint32_t i = 0; i < set.joint_iterations; ++i) {
@@ -91,7 +91,7 @@ void solve_tgs_soft(const Model& model, State& state, TickLists& tick, SolverWor
     store_direct(solved, work.direct, state);
   }
   if (has_budget(model)) store_budget(tick, state);
-  store_bodies(work.bodies, tick, state);
+  store_bodies(model, work.bodies, tick, state);
   store_motion(work.motion, state);
 }
 

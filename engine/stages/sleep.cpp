@@ -13,9 +13,10 @@ void measure_idle_time(const Model& model, State& state, TickLists& tick, Real d
       const BodyModel& constants = model.bodies[body.source];
       SleepRow& sleep = state.sleep[row];
       if (constants.type != BodyType::dynamic_body || sleep.asleep != 0) continue;
-      // An upper bound of the speed of all points of the body.
+      // Upper bounds for all points of the body. Overlaps are pushed out without a lasting velocity.
       const Real speed = length(body.velocity) + magnitude(body.angular_velocity) * constants.extent;
-      sleep.calm = constants.can_sleep && speed <= speed_max ? sleep.calm + dt : Real(0);
+      const bool is_calm = speed <= speed_max && tick.travel[row] <= speed_max * dt;
+      sleep.calm = constants.can_sleep && is_calm ? sleep.calm + dt : Real(0);
     }
   });
 }

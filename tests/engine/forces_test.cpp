@@ -384,6 +384,23 @@ TEST_CASE("a body asleep on a spring wakes when the kinematic body at its other 
   CHECK(engine->bodies()[0].center.y > 0.5);  // it follows the other body, which is 1 m higher
 }
 
+TEST_CASE("bodies that are being pushed apart do not sleep", "[engine][sleep]") {
+  for (const Precision precision : {Precision::f32, Precision::f64}) {
+    Scene scene = empty_scene(precision);
+    scene.gravity = {0, 0};
+    scene.settings.sleep.emplace();
+    scene.bodies = {body_of(disc_shape(10), {0, 0}), body_of(disc_shape(10), {12, 0}),  // 8 m inside each other
+                    body_of(box_shape(5, 5), {100, 0}), body_of(box_shape(5, 5), {100, 6})};
+    const auto engine = make_engine_or_fail(scene);
+    run_ticks(*engine, 60);
+    CHECK(asleep_count(*engine) == 0);
+    run_ticks(*engine, 1140);
+    CHECK(engine->bodies()[1].center.x - engine->bodies()[0].center.x > 19.99);
+    CHECK(engine->bodies()[3].center.y - engine->bodies()[2].center.y > 9.99);
+    CHECK(asleep_count(*engine) == 2);  // the boxes drift apart
+  }
+}
+
 TEST_CASE("where bodies sleep after no time at all, what moves does not sleep", "[engine][sleep]") {
   Scene scene = empty_scene(Precision::f32);
   scene.settings.sleep.emplace();

@@ -163,7 +163,7 @@ class Stepper {
     scheme_.begin(solved, work_, h);
     scheme_.predict(solved, work_, h);
     scheme_.drift(solved, work_, h);
-    engine::f64::store_bodies(bodies_, tick_, state_);
+    engine::f64::store_bodies(model_, bodies_, tick_, state_);
     engine::f64::store_motion(work_, state_);
   }
   const engine::f64::BodyRow& body() const { return state_.bodies[0]; }

@@ -3,6 +3,7 @@
 #include "tool/experiment/oracle/constraint_law.h"
 
 #include <cmath>
+#include <numbers>
 
 #include "tests/support/catch.h"
 #include "tests/support/forwarding_engine.h"
@@ -220,6 +221,19 @@ TEST_CASE("a pin under a load may give way by twice F K / w^2", "[verifier][soak
   const double gap = 3 - engine->bodies()[1].center.x, sag = -engine->bodies()[1].center.y;
   CHECK(std::fabs(gap) < 1e-3);
   CHECK(std::fabs(sag - 1000 / (omega * omega)) < 1e-3 * sag);
+}
+
+TEST_CASE("what sleeps may stay as deep as a push at the speed of rest", "[verifier][soak][law][analytic]") {
+  // h = 1/240 s: w = 2 pi 0.125 240 / s, and an error e is pushed out at w / 20.8 e, by half of it at worst.
+  const double rate = 2 * std::numbers::pi * 0.125 * 240 / (20 + 2 * std::numbers::pi * 0.125);
+  const double may_stay = 0.025 + 2 * 0.05 / (0.5 * rate);
+  for (const bool sleeps : {false, true})
+    for (const double factor : {0.95, 1.05}) {
+      Scene scene = two_discs(1);
+      if (sleeps) scene.settings.sleep = engine::SleepSettings{0.01, 0.05};
+      SaysOverlap engine(law_engine(scene), factor * may_stay, 0);
+      CHECK(law_after(engine, 600).overlap().has_value() == (!sleeps || factor > 1));
+    }
 }
 
 TEST_CASE("what immovable bodies squeeze is not judged", "[verifier][soak][law][analytic]") {

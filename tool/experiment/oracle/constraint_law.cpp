@@ -172,6 +172,7 @@ struct TickView {
   std::map<std::uint32_t, std::uint32_t> index;  // [body id]
   std::vector<double> h;                         // [body], s
   std::vector<Extent> extents;                   // [body]
+  std::vector<std::uint8_t> is_asleep;           // [body]
   double push_share;                             // of a push that moves bodies
 
   double substep_of(std::uint32_t a, std::uint32_t b) const {
@@ -186,6 +187,11 @@ struct TickView {
     for (const std::uint32_t i : {a, b}) coordinates += std::fabs(bodies[i].center.x) + std::fabs(bodies[i].center.y);
     return size_share * std::min(extents[a].size, extents[b].size) + epsilon_count * epsilon * coordinates;
   }
+  /// What bodies that sleep may be off by, m: what was pushed out no faster than the scene takes for rest.
+  double asleep_slack_of(std::uint32_t a, std::uint32_t b, double bias_rate) const {
+    const int count = is_asleep[a] + is_asleep[b];
+    return count > 0 ? count * scene.settings.sleep->speed_max / (bias_rate * push_share) : 0;
+  }
   bool is_fixed(std::uint32_t a, std::uint32_t b) const { return !is_dynamic(bodies[a]) && !is_dynamic(bodies[b]); }
 };
 
@@ -199,6 +205,16 @@ std::vector<double> substeps_of(const engine::Scene& scene, const StateView& sta
     if (const auto found = index.find(rows.whole(i, "body")); found != index.end())
       h[found->second] = dt / rows.whole(i, "count");
   return h;
+}
+
+std::vector<std::uint8_t> find_asleep(const engine::Scene& scene, const StateView& state,
+                                      const std::map<std::uint32_t, std::uint32_t>& index) {
+  std::vector<std::uint8_t> is_asleep(index.size());
+  const TableReader rows(state, "sleep", scene.settings.precision);
+  for (std::size_t i = 0; i < rows.size(); ++i)
+    if (const auto found = index.find(rows.whole(i, "body")); found != index.end())
+      is_asleep[found->second] = rows.whole(i, "asleep") != 0 ? 1 : 0;
+  return is_asleep;
 }
 
 bool overlaps(const ContactReport& contact) {
@@ -242,7 +258,9 @@ std::vector<Offence> joint_offences(const TickView& view, std::vector<double>& p
     const SoftLaw law = soft_law(joint_hertz_h, joint_damping_ratio, h);
     const double force = std::hypot(view.joints.real(i, "linear_force", 0), view.joints.real(i, "linear_force", 1));
     const double torque = std::fabs(view.joints.real(i, "torque"));
-    const double tolerance = view.slack_of(ends[0], ends[1]) + turned_away;
+    const double rate = std::min(law.bias_rate, is_direct ? direct_push_rate : infinite);
+    const double tolerance =
+        view.slack_of(ends[0], ends[1]) + turned_away + view.asleep_slack_of(ends[0], ends[1], rate);
     Offence offence;
     offence.push = law.bias_rate * gap;
     for (const std::uint32_t end : ends) pulled[end] = std::max(pulled[end], offence.push);
@@ -256,7 +274,6 @@ std::vector<Offence> joint_offences(const TickView& view, std::vector<double>& p
     offence.breach.yielded = load_factor * (force * mobility + torque * mobility_of_torque) / (law.omega * law.omega);
     // A push with the energy of both bodies at that speed parts two equal ones at twice the speed.
     const double direct_speed = direct_push_speed * (is_dynamic(*pair[0]) && is_dynamic(*pair[1]) ? 2 : 1);
-    const double rate = std::min(law.bias_rate, is_direct ? direct_push_rate : infinite);
     offence.settling = settling_time(gap, tolerance, rate, is_direct ? direct_speed : push_speed) / view.push_share;
     list.push_back(offence);
   }
@@ -289,7 +306,8 @@ std::vector<Offence> contact_offences(const TickView& view, const std::vector<st
         soft_law(are_moving ? contact_hertz_h : 2 * contact_hertz_h, contact_damping_ratio, view.substep_of(a, b));
     for (int i = 0; i < contact.point_count; ++i) {
       const double overlap = -contact.separation[i];
-      const double tolerance = view.slack_of(a, b) + moved_within(view, contact, i, a, b, law.bias_rate);
+      const double tolerance = view.slack_of(a, b) + moved_within(view, contact, i, a, b, law.bias_rate) +
+                               view.asleep_slack_of(a, b, law.bias_rate);
       if (overlap <= tolerance) continue;
       double mobility = 0;
       for (const std::uint32_t end : {a, b}) {
@@ -478,9 +496,16 @@ void ConstraintLaw::look(const engine::Engine& engine, double dt) {
   // One pass moves what touches several bodies by half of a push at worst. Schemes that take half of a force take half
   // of a push that is no larger than a force.
   const bool takes_all = scene_.settings.integrator == engine::IntegratorKind::semi_implicit_euler;
-  TickView view{
-      scene_, dt, engine.bodies(),       engine.contacts(), TableReader(state, "joints", scene_.settings.precision), {},
-      {},     {}, takes_all ? 0.5 : 0.25};
+  TickView view{scene_,
+                dt,
+                engine.bodies(),
+                engine.contacts(),
+                TableReader(state, "joints", scene_.settings.precision),
+                {},
+                {},
+                {},
+                {},
+                takes_all ? 0.5 : 0.25};
   for (std::uint32_t i = 0; i < view.bodies.size(); ++i) {
     const BodyReport& body = view.bodies[i];
     view.index[body.id] = i;
@@ -489,6 +514,7 @@ void ConstraintLaw::look(const engine::Engine& engine, double dt) {
                                                    : extents_.emplace(body.id, extent_of(body)).first->second);
   }
   view.h = substeps_of(scene_, state, dt, view.index);
+  view.is_asleep = find_asleep(scene_, state, view.index);
   std::vector<std::uint8_t> is_crushed(view.bodies.size());
   find_squeezed(view, is_crushed);
   find_driven(view, is_crushed);
