@@ -17,10 +17,17 @@ std::size_t chunk_of_bodies(const TickLists& tick, std::size_t count) {
   return tick.parallel.chunk_size(count, 256);
 }
 
-/// An upper bound of the way of all points of a body since the tick began, m.
-Real travel_of(const MovingBody& moving, const BodyModel& constants) {
-  const Vec2 turn{moving.delta_rotation.c - 1, moving.delta_rotation.s};
-  return length(moving.delta_position) + length(turn) * constants.extent;
+/// Fills TickLists::travel. Bodies in no solver set do not move.
+void find_travel(const Model& model, const State& state, const SolverBodies& bodies, TickLists& tick) {
+  tick.travel.clear();
+  if (state.sleep.empty()) return;
+  tick.travel.resize(state.bodies.size());
+  for (std::size_t row = 0; row < state.bodies.size(); ++row) {
+    const MovingBody& moving = bodies.records[row];
+    const Vec2 turn{moving.delta_rotation.c - 1, moving.delta_rotation.s};
+    const Real extent = model.bodies[state.bodies[row].source].extent;
+    tick.travel[row] = length(moving.delta_position) + length(turn) * extent;
+  }
 }
 
 }  // namespace
@@ -54,14 +61,12 @@ void prepare_bodies(const Model& model, const State& state, const TickLists& tic
 
 void store_bodies(const Model& model, const SolverBodies& bodies, TickLists& tick, State& state) {
   const std::size_t count = state.bodies.size();
-  const bool sleeps = !state.sleep.empty();
-  tick.travel.assign(sleeps ? count : 0, 0);
+  find_travel(model, state, bodies, tick);
   tick.parallel.for_chunks(count, chunk_of_bodies(tick, count), [&](const Chunk& chunk) {
     for (std::size_t row = chunk.begin; row < chunk.end; ++row) {
       if (tick.body_solver_set[row] == no_solver_set) continue;
       BodyRow& body = state.bodies[row];
       const MovingBody& moving = bodies.records[row];
-      if (sleeps) tick.travel[row] = travel_of(moving, model.bodies[body.source]);
       body.position = stored(body.position + moving.delta_position);
       body.rotation = stored(normalized(moving.delta_rotation * body.rotation));
       body.velocity = stored(moving.velocity);
