@@ -329,3 +329,28 @@ TEST_CASE("docs/engine_setup.md has the binary form of the list of fields", "[en
   force.add_own_fields(Force{});
   check_binary_rows(force, rows_between(text, "`force`, with", ""));
 }
+
+TEST_CASE("docs/engine_setup.md has the number of every choice", "[engine][scene_fields][docs]") {
+  const std::string text = file_text("docs/engine_setup.md");
+  const auto check_numbers = [&](std::string_view field, const auto& table) {
+    CAPTURE(field);
+    const std::size_t begin = text.find("| " + std::string(field) + " | u8 | 0 " + std::string(table[0].name));
+    REQUIRE(begin != std::string::npos);
+    const std::string line = text.substr(begin, text.find('\n', begin) - begin);
+    for (std::size_t i = 0; i < table.size(); ++i)
+      CHECK(line.find(std::to_string(i) + " " + std::string(table[i].name)) != std::string::npos);
+    CHECK(line.find(", " + std::to_string(table.size()) + " ") == std::string::npos);
+  };
+  check_numbers("precision", precisions);
+  check_numbers("solver", solvers);
+  check_numbers("integrator", integrators);
+  check_numbers("broad_phase", broad_phases);
+  check_numbers("friction_mix", mix_rules);
+  check_numbers("clock", clock_kinds);
+  check_numbers("joints", joint_solvers);
+  check_numbers("substep_loads", substep_loads);
+  check_numbers("type", body_types);
+  check_numbers("type", shape_kinds);
+  check_numbers("type", joint_kinds);
+  check_numbers("type", force_kinds);
+}
