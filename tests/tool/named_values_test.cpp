@@ -1,5 +1,6 @@
 // Values of bodies, contacts and joints by name, and their CSV lines.
 // SPDX-License-Identifier: MIT
+#include <algorithm>
 #include <cmath>
 #include <string>
 
@@ -64,6 +65,62 @@ TEST_CASE("friction holds a box on a slope with its weight along it", "[verifier
   CHECK(value_of(*engine, "contacts.0.1.normal_force") == Approx(10 * std::cos(angle)).epsilon(0.02));
 }
 
+TEST_CASE("friction above 0 pushes the upper body to +x, whichever has the smaller id",
+          "[verifier][expression][analytic]") {
+  for (const bool is_ground_first : {true, false})
+    for (const double speed : {3.0, -3.0}) {
+      CAPTURE(is_ground_first, speed);
+      Scene scene = empty_scene(Precision::f64);
+      scene.gravity = {0, -10};
+      scene.bodies = {unit_box({0, 0.5})};
+      scene.bodies[0].velocity = {speed, 0};
+      scene.bodies.insert(is_ground_first ? scene.bodies.begin() : scene.bodies.end(), ground());
+      for (Body& body : scene.bodies) body.shapes[0].material.friction = 0.5;
+      auto engine = make_engine_or_fail(scene);
+      run_ticks(*engine, 10);
+      const double wanted = speed > 0 ? -5 : 5;  // m mu g, against the motion of the box of 1 kg
+      CHECK(value_of(*engine, "contacts.0.1.friction_force") == Approx(wanted).epsilon(0.02));
+      CHECK(value_of(*engine, "contacts.1.0.friction_force") == Approx(wanted).epsilon(0.02));
+    }
+}
+
+TEST_CASE("the force of a joint has no sign: what hangs and what stands on a rod weigh alike",
+          "[verifier][expression][analytic]") {
+  for (const double gravity : {-10.0, 10.0}) {
+    Scene scene = empty_scene(Precision::f64);
+    scene.gravity = {0, gravity};
+    scene.bodies = {unit_box({0, 0}), body_of(box_shape(0.1, 0.1), {0, 2}, BodyType::static_body)};
+    engine::Joint rod;
+    rod.kind = engine::JointKind::distance;
+    rod.body_a = 1;
+    rod.body_b = 0;
+    rod.length = 2;
+    scene.joints = {rod};
+    const auto engine = settled(scene);
+    CHECK(value_of(*engine, "joints.0.force") == Approx(10).epsilon(0.02));
+  }
+}
+
+TEST_CASE("bodies that sleep are told in CSV, and none sleeps where the scene does not",
+          "[verifier][expression][analytic]") {
+  for (const bool sleeps : {true, false}) {
+    CAPTURE(sleeps);
+    Scene scene = stack_scene(2);
+    scene.settings.sleep.reset();
+    if (sleeps) scene.settings.sleep.emplace();
+    auto engine = make_engine_or_fail(scene);
+    const auto columns = CsvColumns::make({"asleep", "bodies.*.asleep"}, scene, "--columns");
+    REQUIRE(columns.has_value());
+    CHECK(columns->head() == "tick,time,asleep,bodies.0.asleep,bodies.1.asleep,bodies.2.asleep\n");
+    CHECK(value_of(*engine, "bodies.1.asleep") == 0);
+    CHECK(columns->row(*engine, 0) == "0,0,0,0,0,0\n");
+    run_ticks(*engine, 300);
+    const std::string row = columns->row(*engine, 300);
+    CHECK(row.substr(row.size() - 8) == (sleeps ? "2,0,1,1\n" : "0,0,0,0\n"));
+    CHECK(std::isnan(value_of(*engine, "bodies.3.asleep")));
+  }
+}
+
 TEST_CASE("a joint holds what hangs from it", "[verifier][expression][analytic]") {
   Scene scene = empty_scene(Precision::f64);
   scene.bodies = {unit_box({0, 0})};
@@ -91,8 +148,46 @@ TEST_CASE("names that mean nothing are refused with those that do", "[verifier][
   }
 }
 
+TEST_CASE("bodies and joints that a scene cannot have are refused with how many it has",
+          "[verifier][expression][hostile]") {
+  CHECK(refusal("bodies.9.x") == "--columns: bodies.9.x: found no body 9: the scene has 3, expected 0..2");
+  CHECK(refusal("contacts.0.3.points").find("found no body 3: the scene has 3") != std::string::npos);
+  CHECK(refusal("contacts.4.0.points").find("found no body 4: the scene has 3") != std::string::npos);
+  CHECK(refusal("contacts.1.1.points").find("found body 1 twice") != std::string::npos);
+  CHECK(refusal("joints.4.force") == "--columns: joints.4.force: found no joint 4: the scene has none");
+  const auto takes = [](const Scene& scene, const std::string& name) {
+    return CsvColumns::make({name}, scene, "--columns").has_value();
+  };
+  Scene scene = stack_scene(2);
+  scene.prototypes = {unit_box({0, 0})};
+  CHECK_FALSE(takes(scene, "bodies.9.x"));
+  scene.inputs = {engine::InputKind::spawn};
+  CHECK(takes(scene, "bodies.9.x"));
+  CHECK(takes(scene, "contacts.0.9.points"));
+  CHECK_FALSE(takes(scene, "joints.0.gap"));
+  scene.inputs = {engine::InputKind::press};
+  scene.pointer.emplace();
+  CHECK_FALSE(takes(scene, "bodies.9.x"));
+  scene.pointer->spawns = {"ball"};
+  CHECK(takes(scene, "bodies.9.x"));
+}
+
+TEST_CASE("tick and time are the first two columns once, however often they are named", "[verifier][expression]") {
+  const Scene scene = stack_scene(2);
+  const auto columns = CsvColumns::make({"tick", "energy", "time", "time"}, scene, "--columns");
+  REQUIRE(columns.has_value());
+  CHECK(columns->head() == "tick,time,energy\n");
+  const auto engine = make_engine_or_fail(scene);
+  const std::string row = columns->row(*engine, 5);
+  CHECK(std::count(row.begin(), row.end(), ',') == 2);
+  CHECK(CsvColumns::make({"time"}, scene, "--columns")->head() == "tick,time\n");
+}
+
 TEST_CASE("lines of CSV have a cell for each column, an empty one for what is gone", "[verifier][expression]") {
   Scene scene = stack_scene(2);
+  scene.prototypes = {unit_box({0, 0})};
+  scene.prototypes[0].name = "crate";
+  scene.inputs = {engine::InputKind::spawn};
   const auto columns = CsvColumns::make({"energy", "bodies.*.y", "bodies.7.y", "contacts"}, scene, "--columns");
   REQUIRE(columns.has_value());
   CHECK(columns->head() == "tick,time,energy,bodies.0.y,bodies.1.y,bodies.2.y,bodies.7.y,contacts\n");

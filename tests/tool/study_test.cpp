@@ -484,6 +484,34 @@ TEST_CASE("a key of the scene is varied, and its effect is the law's", "[verifie
   CHECK(product->back().scene->bodies[1].shapes[0].material.friction == 1);
 }
 
+TEST_CASE("keys are called by the shortest end that tells them apart", "[verifier][study]") {
+  const auto labels_of = [](const std::vector<std::string>& names) {
+    std::vector<VariedKey> keys;
+    for (const std::string& name : names) keys.push_back({name, {"1"}});
+    label_keys(keys);
+    std::vector<std::string> labels;
+    for (const VariedKey& key : keys) labels.push_back(key.label);
+    return labels;
+  };
+  using Names = std::vector<std::string>;
+  CHECK(labels_of({"bodies.1.shapes.0.friction", "gravity.1"}) == Names{"friction", "1"});
+  CHECK(labels_of({"bodies.1.mass", "bodies.2.mass"}) == Names{"1.mass", "2.mass"});
+  CHECK(labels_of({"bodies.1.mass", "mass"}) == Names{"1.mass", "mass"});
+  CHECK(labels_of({"a.mass", "a.mass"}) == Names{"a.mass", "a.mass"});
+  CHECK(labels_of({"x.mass", "x.bigmass"}) == Names{"mass", "bigmass"});
+
+  const auto scene = engine::make_builtin_scene("slide");
+  REQUIRE(scene);
+  std::vector<VariedKey> keys{{"bodies.0.shapes.0.friction", {"0.5"}}, {"bodies.1.shapes.0.friction", {"0.250"}}};
+  label_keys(keys);
+  auto variants = with_varied({}, *scene, keys[0], "--vary");
+  REQUIRE(variants);
+  variants = with_varied(*variants, *scene, keys[1], "--vary");
+  REQUIRE(variants);
+  CHECK((*variants)[0].name == "0.shapes.0.friction 0.5, 1.shapes.0.friction 0.25");
+  CHECK((*variants)[0].varied_values == Names{"0.5", "0.25"});
+}
+
 TEST_CASE("a key that a scene cannot have is refused with its name", "[verifier][study]") {
   const auto scene = engine::make_builtin_scene("slide");
   REQUIRE(scene);

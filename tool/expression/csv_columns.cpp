@@ -25,23 +25,24 @@ Result<CsvColumns> CsvColumns::make(const std::vector<std::string>& names, const
     for (const WorldValueInfo& info : world_values)
       if (info.value != WorldValue::tick && info.value != WorldValue::time) columns.columns_.emplace_back(info.value);
   for (const std::string& name : names) {
+    if (name == "tick" || name == "time") continue;  // they are the first two
     const std::size_t star = name.find(".*.");
     if (star == std::string::npos) {
-      if (const Status added = columns.add(name, option); !added) return added.error();
+      if (const Status added = columns.add(name, scene, option); !added) return added.error();
       continue;
     }
     const bool is_joint = name.substr(0, star) == "joints";
     const std::size_t count = is_joint ? scene.joints.size() : scene.bodies.size();
     for (std::size_t i = 0; i < count; ++i)
       if (const Status added =
-              columns.add(name.substr(0, star + 1) + std::to_string(i) + name.substr(star + 2), option);
+              columns.add(name.substr(0, star + 1) + std::to_string(i) + name.substr(star + 2), scene, option);
           !added)
         return added.error();
   }
   return columns;
 }
 
-Status CsvColumns::add(const std::string& name, const std::string& option) {
+Status CsvColumns::add(const std::string& name, const engine::Scene& scene, const std::string& option) {
   if (columns_.size() == column_count_max)
     return Error{ErrorCode::usage, fmt::format("{}: found more than {} columns", option, column_count_max), {}};
   const auto world = std::find_if(world_values.begin(), world_values.end(),
@@ -51,6 +52,7 @@ Status CsvColumns::add(const std::string& name, const std::string& option) {
     return {};
   }
   if (std::optional<NamedValue> named = find_named_value(name)) {
+    if (const Status exists = check_exists(*named, scene, option); !exists) return exists;
     columns_.emplace_back(*std::move(named));
     return {};
   }

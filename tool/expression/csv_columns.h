@@ -18,7 +18,8 @@ namespace ticktrue::verifier {
 class CsvColumns {
  public:
   /// Names of world_values and part_values; `bodies.*.x` and `joints.*.gap` stand for those of every body and joint of
-  /// the scene. Empty: every world value. `option` comes first in messages. Errors: usage (an unknown name, too many).
+  /// the scene. Empty: every world value. A named `tick` or `time` is not added again. `option` comes first in
+  /// messages. Errors: usage (an unknown name, a body or joint that the scene cannot have, too many).
   static Result<CsvColumns> make(const std::vector<std::string>& names, const engine::Scene& scene,
                                  const std::string& option);
 
@@ -28,7 +29,7 @@ class CsvColumns {
   std::string row(const engine::Engine& engine, std::uint64_t tick) const;
 
  private:
-  Status add(const std::string& name, const std::string& option);
+  Status add(const std::string& name, const engine::Scene& scene, const std::string& option);
 
   std::vector<std::variant<WorldValue, NamedValue>> columns_;
 };

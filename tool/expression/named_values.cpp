@@ -2,12 +2,13 @@
 // SPDX-License-Identifier: MIT
 #include "tool/expression/named_values.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <charconv>
 #include <cmath>
-#include <cstring>
 
-#include "base/state/state_view.h"
+#include "tool/expression/named_table.h"
 #include "tool/study/measures.h"
 
 namespace ticktrue::verifier {
@@ -31,39 +32,14 @@ bool take_number(std::string_view& name, std::uint32_t& out) {
   return true;
 }
 
-/// The rows of a table of the state, with values by column.
-class Table {
- public:
-  Table(const StateView& state, std::string_view name) {
-    const std::optional<std::size_t> table = state.schema->find_table(name);
-    if (!table) return;
-    schema_ = &state.schema->tables[*table];
-    rows_ = state.tables[*table];
-  }
-  std::uint32_t row_count() const { return rows_.row_count; }
-
-  /// Requires: the column has u32, f32 or f64, and there is such a lane.
-  double value(std::uint32_t row, std::string_view column, unsigned lane = 0) const {
-    const auto found = std::find_if(schema_->columns.begin(), schema_->columns.end(),
-                                    [&](const Column& info) { return info.name == column; });
-    const std::size_t size = scalar_info(found->type)->size;
-    const std::uint8_t* at = rows_.data + std::size_t{row} * schema_->row_size + found->offset + lane * size;
-    if (found->type == ScalarType::f32) return static_cast<double>(read<float>(at));
-    if (found->type == ScalarType::f64) return read<double>(at);
-    return read<std::uint32_t>(at);
-  }
-
- private:
-  template <typename T>
-  static T read(const std::uint8_t* at) {
-    T value;
-    std::memcpy(&value, at, sizeof value);
-    return value;
-  }
-
-  const TableSchema* schema_ = nullptr;
-  TableRows rows_;
-};
+/// Whether an input may make a body.
+bool can_gain_bodies(const engine::Scene& scene) {
+  const auto is_declared = [&](engine::InputKind kind) {
+    return std::find(scene.inputs.begin(), scene.inputs.end(), kind) != scene.inputs.end();
+  };
+  if (is_declared(engine::InputKind::spawn) && !scene.prototypes.empty()) return true;
+  return is_declared(engine::InputKind::press) && scene.pointer && !scene.pointer->spawns.empty();
+}
 
 }  // namespace
 
@@ -82,6 +58,30 @@ std::optional<NamedValue> find_named_value(std::string_view name) {
       return named;
     }
   }
+  return {};
+}
+
+Status check_exists(const NamedValue& named, const engine::Scene& scene, const std::string& place) {
+  const auto info = std::find_if(part_values.begin(), part_values.end(),
+                                 [&](const PartValueInfo& part) { return part.value == named.value; });
+  const auto refused = [&](std::string_view what, std::uint32_t number, std::size_t count, const char* all) {
+    std::string message = fmt::format("{}: {}: found no {} {}: the scene has {}", place, named.name, what, number,
+                                      count == 0 ? "none" : std::to_string(count));
+    if (count > 0) message += count == 1 ? ", expected 0" : fmt::format(", expected 0..{}", count - 1);
+    return Error{ErrorCode::usage, message,
+                 fmt::format("they count from 0 in the order of the scene; {}: of all", all)};
+  };
+  if (info->part == PartKind::joint) {
+    if (named.first < scene.joints.size()) return {};
+    return refused("joint", named.first, scene.joints.size(), "joints.*.gap");
+  }
+  const bool is_contact = info->part == PartKind::contact;
+  if (is_contact && named.first == named.second)
+    return Error{ErrorCode::usage,
+                 fmt::format("{}: {}: found body {} twice, expected two bodies", place, named.name, named.first), ""};
+  if (can_gain_bodies(scene)) return {};
+  for (const std::uint32_t id : {named.first, is_contact ? named.second : named.first})
+    if (id >= scene.bodies.size()) return refused("body", id, scene.bodies.size(), "bodies.*.x");
   return {};
 }
 
@@ -125,9 +125,18 @@ double NamedValues::of_body(std::uint32_t id, PartValue value) {
       return body->velocity.x;
     case PartValue::vy:
       return body->velocity.y;
+    case PartValue::asleep:
+      return is_asleep(id) ? 1 : 0;
     default:
       return body->angular_velocity;
   }
+}
+
+bool NamedValues::is_asleep(std::uint32_t id) const {
+  const NamedTable sleep(engine_.state(), "sleep");
+  for (std::uint32_t row = 0; row < sleep.row_count(); ++row)
+    if (sleep.value(row, "body") == id) return sleep.value(row, "asleep") != 0;
+  return false;
 }
 
 double NamedValues::of_contact(const NamedValue& named) {
@@ -149,7 +158,7 @@ double NamedValues::of_contact(const NamedValue& named) {
     }
     return result;
   }
-  const Table contacts(engine_.state(), "contacts");
+  const NamedTable contacts(engine_.state(), "contacts");
   const std::string_view column = named.value == PartValue::normal_force ? "normal_force" : "tangent_force";
   for (std::uint32_t row = 0; row < contacts.row_count(); ++row)
     if (contacts.value(row, "body_a") == a && contacts.value(row, "body_b") == b)
@@ -158,7 +167,7 @@ double NamedValues::of_contact(const NamedValue& named) {
 }
 
 double NamedValues::of_joint(std::uint32_t joint, PartValue value) {
-  const Table joints(engine_.state(), "joints");
+  const NamedTable joints(engine_.state(), "joints");
   for (std::uint32_t row = 0; row < joints.row_count(); ++row) {
     if (joints.value(row, "joint") != joint) continue;
     switch (value) {

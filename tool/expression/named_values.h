@@ -9,6 +9,7 @@
 #include <string_view>
 #include <vector>
 
+#include "base/result.h"
 #include "engine/engine.h"
 
 namespace ticktrue::verifier {
@@ -22,6 +23,7 @@ enum class PartValue : std::uint8_t {
   vx,
   vy,
   w,
+  asleep,
   points,
   normal_force,
   friction_force,
@@ -41,18 +43,21 @@ struct PartValueInfo {
 };
 /// `bodies.ID.name`, `contacts.ID.ID.name`, `joints.NUMBER.name`. Ids count from 0 in the order of the scene, and so do
 /// joints.
-inline constexpr std::array<PartValueInfo, 15> part_values{{
+inline constexpr std::array<PartValueInfo, 16> part_values{{
     {PartKind::body, PartValue::x, "x", "m, of the centre of mass"},
     {PartKind::body, PartValue::y, "y", "m, of the centre of mass"},
     {PartKind::body, PartValue::angle, "angle", "rad, -pi to pi"},
     {PartKind::body, PartValue::vx, "vx", "m/s"},
     {PartKind::body, PartValue::vy, "vy", "m/s"},
     {PartKind::body, PartValue::w, "w", "rad/s"},
+    {PartKind::body, PartValue::asleep, "asleep", "1 asleep, 0 awake or in a scene without sleep"},
     {PartKind::contact, PartValue::points, "points", "points in which the two touch"},
     {PartKind::contact, PartValue::normal_force, "normal_force", "N, of all points, mean over the last substep"},
-    {PartKind::contact, PartValue::friction_force, "friction_force", "N, likewise; signed"},
+    {PartKind::contact, PartValue::friction_force, "friction_force",
+     "N, likewise; above 0: pushes the upper body to +x"},
     {PartKind::contact, PartValue::overlap, "overlap", "m, the deepest of the points"},
-    {PartKind::joint, PartValue::force, "force", "N, of the points it holds together, mean over the last substep"},
+    {PartKind::joint, PartValue::force, "force",
+     "N, >= 0, length of the force in its point; mean over the last substep"},
     {PartKind::joint, PartValue::torque, "torque", "N m, likewise"},
     {PartKind::joint, PartValue::spring_force, "spring_force", "N or N m"},
     {PartKind::joint, PartValue::motor_force, "motor_force", "N or N m"},
@@ -68,6 +73,9 @@ struct NamedValue {
 
 /// The value that a name means; none: it means none.
 std::optional<NamedValue> find_named_value(std::string_view name);
+/// Refuses a body or joint that no state of the scene can have. Spawned bodies have any id. Messages begin with
+/// `place`. Errors: usage.
+Status check_exists(const NamedValue& named, const engine::Scene& scene, const std::string& place);
 /// "bodies.3: x y ...; contacts.3.7: ...": what find_named_value knows.
 std::string named_values_text();
 
@@ -80,6 +88,7 @@ class NamedValues {
 
  private:
   double of_body(std::uint32_t id, PartValue value);
+  bool is_asleep(std::uint32_t id) const;
   double of_contact(const NamedValue& named);
   double of_joint(std::uint32_t joint, PartValue value);
 

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "tool/expression/named_table.h"
 #include "tool/study/measures.h"
 
 namespace ticktrue::verifier {
@@ -37,6 +38,13 @@ double WorldMeasures::angular_momentum() {
   return sum;
 }
 
+double WorldMeasures::asleep_count() const {
+  const NamedTable sleep(engine_.state(), "sleep");
+  double count = 0;
+  for (std::uint32_t row = 0; row < sleep.row_count(); ++row) count += sleep.value(row, "asleep");
+  return count;
+}
+
 double WorldMeasures::of(WorldValue value) {
   switch (value) {
     case WorldValue::tick:
@@ -65,6 +73,8 @@ double WorldMeasures::of(WorldValue value) {
       return largest(joint_gaps(engine_.scene(), bodies()));
     case WorldValue::speed_max:
       return fastest(bodies());
+    case WorldValue::asleep:
+      return asleep_count();
   }
   return 0;
 }

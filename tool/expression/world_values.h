@@ -27,6 +27,7 @@ enum class WorldValue : std::uint8_t {
   overlap,
   joint_gap,
   speed_max,
+  asleep,
 };
 
 struct WorldValueInfo {
@@ -34,7 +35,7 @@ struct WorldValueInfo {
   std::string_view name;
   std::string_view summary;
 };
-inline constexpr std::array<WorldValueInfo, 13> world_values{{
+inline constexpr std::array<WorldValueInfo, 14> world_values{{
     {WorldValue::tick, "tick", "ticks done"},
     {WorldValue::time, "time", "s, sum of their dt"},
     {WorldValue::bodies, "bodies", "how many there are"},
@@ -48,6 +49,7 @@ inline constexpr std::array<WorldValueInfo, 13> world_values{{
     {WorldValue::overlap, "overlap", "m, deepest of two shapes"},
     {WorldValue::joint_gap, "joint_gap", "m, largest distance of a joint from what it holds"},
     {WorldValue::speed_max, "speed_max", "m/s, of the centre of a dynamic body"},
+    {WorldValue::asleep, "asleep", "how many bodies sleep"},
 }};
 
 /// The present state of a world, measured as far as it is asked for.
@@ -64,6 +66,7 @@ class WorldMeasures {
   const std::vector<engine::BodyReport>& bodies();
   const std::vector<engine::ContactReport>& contacts();
   double angular_momentum();
+  double asleep_count() const;
   std::vector<std::uint32_t> deepest_pair();
   std::vector<std::uint32_t> worst_joint();
   std::vector<std::uint32_t> body_with_most(double (*measure)(const engine::BodyReport&));

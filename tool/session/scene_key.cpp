@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: MIT
 #include "tool/session/scene_key.h"
 
+#include <algorithm>
 #include <charconv>
 #include <optional>
 
@@ -104,6 +105,23 @@ Result<VariedKey> parse_varied(const std::string& text, const std::string& optio
   for (const std::string& value : varied.values)
     if (value.empty()) return wrong("a value between commas");
   return varied;
+}
+
+void label_keys(std::vector<VariedKey>& keys) {
+  const auto ends_with = [](const std::string& key, const std::string& end) {
+    return key == end || (key.size() > end.size() && key.compare(key.size() - end.size(), end.size(), end) == 0 &&
+                          key[key.size() - end.size() - 1] == '.');
+  };
+  for (VariedKey& varied : keys) {
+    const auto is_shared = [&](const std::string& end) {
+      return std::any_of(keys.begin(), keys.end(),
+                         [&](const VariedKey& other) { return &other != &varied && ends_with(other.key, end); });
+    };
+    std::size_t begin = varied.key.rfind('.');
+    while (begin != std::string::npos && is_shared(varied.key.substr(begin + 1)))
+      begin = begin == 0 ? std::string::npos : varied.key.rfind('.', begin - 1);
+    varied.label = begin == std::string::npos ? varied.key : varied.key.substr(begin + 1);
+  }
 }
 
 }  // namespace ticktrue::verifier

@@ -168,6 +168,23 @@ AccuracyCurve empty_curve(const Problem& problem, const Method& method, Precisio
   return curve;
 }
 
+/// A curve of a user's problem whose values are not finite, or that cannot show the slope that the file claims, fails.
+void judge_own(const Problem& problem, AccuracyCurve& curve) {
+  if (!problem.is_own || curve.points.empty()) return;
+  for (const AccuracyPoint& point : curve.points)
+    if (point.state == PointState::not_finite || !std::isfinite(point.error)) {
+      curve.judgement.verdict = StudyVerdict::fail;
+      curve.judgement.reason = "a value is not finite at " + setting_text(curve.method, point.setting);
+      return;
+    }
+  const AccuracyPoint& finest = curve.points.back();
+  if (curve.judgement.verdict != StudyVerdict::not_judged || !curve.judgement.expected || finest.error < error_coarse)
+    return;
+  curve.judgement.verdict = StudyVerdict::fail;
+  curve.judgement.reason = "the error is " + short_number(finest.error) + " at the finest setting, " +
+                           setting_text(curve.method, finest.setting) + ": a slope shows below 0.1";
+}
+
 void judge_curve(const Problem& problem, AccuracyCurve& curve) {
   std::vector<double> steps, errors, floors;
   for (const AccuracyPoint& point : curve.points) {
@@ -264,6 +281,7 @@ std::vector<AccuracyCurve> run_method(const Problem& problem, const Method& meth
   for (AccuracyCurve& curve : curves) {
     judge_curve(problem, curve);
     explain_by_f64(problem, f64_errors, f64_floors, curve);
+    judge_own(problem, curve);
     judge_bars(problem, curve);
   }
   return curves;
@@ -319,7 +337,12 @@ void judge_bars(const Problem& problem, AccuracyCurve& curve) {
   }
   if (!has_bars) return;
   if (missed.empty()) {
-    if (judgement.verdict == StudyVerdict::not_judged) judgement = {StudyVerdict::pass, judgement.slope, {}, ""};
+    if (judgement.verdict != StudyVerdict::not_judged) return;
+    judgement.verdict = StudyVerdict::pass;
+    if (problem.is_own && judgement.expected)
+      judgement.reason = "by its bars alone: " + judgement.reason;
+    else
+      judgement = {StudyVerdict::pass, judgement.slope, {}, ""};
     return;
   }
   judgement.verdict = is_known ? StudyVerdict::falls_short : StudyVerdict::fail;
@@ -353,8 +376,18 @@ std::optional<double> fitted_slope(const std::vector<double>& steps, const std::
   return xy / xx;
 }
 
+bool claims_of_own(const Problem& problem) {
+  return problem.is_own && (problem.slope || !problem.slopes.empty() || !problem.bars.empty());
+}
+
 Expectation expectation_of(const Problem& problem, const Method& method) {
   Expectation out;
+  if (!problem.slopes.empty()) {
+    for (const auto& [name, slope] : problem.slopes)
+      if (name == method.name) out.slope = slope;
+    if (!out.slope) out.reason = "the file states no slope for this method";
+    return out;
+  }
   if (problem.is_exact) {
     // If impacts are not located, all impacts of a tick happen together at the end of the tick.
     out.is_exact = problem.kind != ProblemClass::impact || method.locates || problem.is_pair;
@@ -368,7 +401,9 @@ Expectation expectation_of(const Problem& problem, const Method& method) {
       return out;
     }
     out.is_exact = problem.is_exact_from_order_2 && integrator.order >= 2;
-    if (!out.is_exact) out.slope = problem.slope ? *problem.slope : integrator.order;
+    if (out.is_exact) return out;
+    out.slope = problem.slope ? *problem.slope : integrator.order;
+    if (integrator.order >= 2 && problem.slope_of_higher) out.slope = problem.slope_of_higher;
     return out;
   }
   if (method.solver != SolverKind::tgs_soft) {

@@ -97,6 +97,9 @@ Expectation expectation_of(const Problem& problem, const Method& method);
 /// Whether a point can show an order: its error is above ten floors and below error_coarse.
 bool shows_order(double error, double floor);
 
+/// Whether the user's file claims anything: a slope or a bar. False for built-in problems.
+bool claims_of_own(const Problem& problem);
+
 /// The verdict on one curve. `steps` descend; errors and floors belong to the steps.
 Judgement judge(const Expectation& expectation, const std::vector<double>& steps, const std::vector<double>& errors,
                 const std::vector<double>& floors);

@@ -122,7 +122,7 @@ std::vector<Variant> product_of(const CompareAxes& axes) {
 Result<std::vector<Variant>> with_varied(const std::vector<Variant>& variants, const Scene& scene,
                                          const VariedKey& varied, const std::string& place) {
   std::vector<Variant> out;
-  const std::string name = varied.key.substr(varied.key.rfind('.') + 1);
+  const std::string name = varied.label.empty() ? varied.key.substr(varied.key.rfind('.') + 1) : varied.label;
   for (const Variant& variant : variants.empty() ? std::vector<Variant>{{}} : variants)
     for (const std::string& value : varied.values) {
       Result<Scene> changed = scene_with(variant.scene ? *variant.scene : scene, varied.key, value, place);
@@ -131,6 +131,7 @@ Result<std::vector<Variant>> with_varied(const std::vector<Variant>& variants, c
       const auto number = engine::parse_number(value);
       next.name += (next.name.empty() ? "" : ", ") + name + " " + (number ? short_number(*number) : value);
       next.scene = std::make_shared<const Scene>(*std::move(changed));
+      next.varied_values.push_back(number ? full_number(*number) : value);
       out.push_back(std::move(next));
     }
   return out;

@@ -56,6 +56,7 @@ struct Variant {
   std::optional<unsigned> threads = {};             // threads per tick; the base uses one
   std::string host = {};                            // for a clock: the host model that makes its frames
   std::shared_ptr<const engine::Scene> scene = {};  // null: the scene of the session
+  std::vector<std::string> varied_values = {};      // of the varied keys, in the order of with_varied
 };
 
 /// Values per axis. Each combination of them is a variant.

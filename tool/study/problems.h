@@ -71,6 +71,10 @@ struct Problem {
   std::vector<Bar> bars;
   std::vector<Shortfall> shortfalls;
 
+  /// Of a user's file: what it claims is judged, or the run fails.
+  bool is_own = false;
+  std::vector<std::pair<std::string, double>> slopes;  // claimed by method; then `slope` is absent
+
   /// Smooth problems: the start and the acceleration, of a point or of an angle (x alone).
   engine::Point start;
   engine::Point start_velocity;

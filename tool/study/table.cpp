@@ -7,6 +7,11 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <fstream>
+#include <iterator>
+
+#include "verifier/runs/data_file.h"
+#include "verifier/runs/run_folder.h"
 
 namespace ticktrue::verifier {
 
@@ -229,18 +234,19 @@ int close_pipe(std::FILE* pipe) {
 
 }  // namespace
 
-Status write_plots(const std::vector<Plot>& plots, const std::string& path) {
+Status write_plots(const std::vector<Plot>& plots, const std::string& path, bool overwrite) {
   if (plots.empty()) return Error{ErrorCode::io, path + ": no curve to plot: found none, expected at least one", {}};
-  std::FILE* probe = std::fopen(path.c_str(), "wb");
-  if (!probe) return Error{ErrorCode::io, path + ": cannot be written", {}};
-  std::fclose(probe);
+  const Result<RunFolder> folder = RunFolder::make("ticktrue-plot", "");
+  if (!folder) return folder.error();
+  const std::string drawn = folder->path() + "/plot.svg";
   std::FILE* pipe = open_pipe();
   if (!pipe) return Error{ErrorCode::io, path + ": gnuplot could not be started", "use --csv"};
-  const std::string script = script_of(plots, path);
+  const std::string script = script_of(plots, drawn);
   std::fwrite(script.data(), 1, script.size(), pipe);
   const int status = close_pipe(pipe);
-  if (status == 0) return {};
-  std::remove(path.c_str());
+  std::ifstream file(drawn, std::ios::binary);
+  const std::string picture{std::istreambuf_iterator<char>(file), {}};
+  if (status == 0 && !picture.empty()) return write_data_file(path, picture, overwrite);
   return Error{ErrorCode::unsupported, path + ": no plot was made: found no working gnuplot, expected the program",
                "apt install gnuplot-nox, or use --csv"};
 }

@@ -61,8 +61,8 @@ struct Plot {
   bool joined = true;                   // a line joins the points
   double y_least = 0, y_most = 0;       // values outside are drawn at the edge; 0, 0: no bounds
 };
-/// Draws the plots as SVG, one below the other, with the program gnuplot. Errors: io; unsupported if gnuplot is
-/// missing.
-Status write_plots(const std::vector<Plot>& plots, const std::string& path);
+/// Draws the plots as SVG, one below the other, with the program gnuplot. An existing file is replaced with `overwrite`
+/// alone, and only by a whole picture. Errors: io; unsupported if gnuplot is missing.
+Status write_plots(const std::vector<Plot>& plots, const std::string& path, bool overwrite);
 
 }  // namespace ticktrue::verifier

@@ -27,8 +27,8 @@ std::string system_message(int error_number) {
   return std::generic_category().message(error_number);
 }
 
-Status write_data_file(const std::string& path, std::string_view text) {
-  Result<DataFile> file = DataFile::create(path, true);
+Status write_data_file(const std::string& path, std::string_view text, bool overwrite) {
+  Result<DataFile> file = DataFile::create(path, overwrite);
   if (!file) return file.error();
   if (const Status written = file->write(text); !written) return written;
   return file->close();

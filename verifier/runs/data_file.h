@@ -40,8 +40,8 @@ class DataFile {
   std::uint64_t size_ = 0;
 };
 
-/// Writes a whole file and replaces an older one. Errors: io.
-Status write_data_file(const std::string& path, std::string_view text);
+/// Writes a whole file and replaces an older one, or with `overwrite` false refuses to. Errors: io.
+Status write_data_file(const std::string& path, std::string_view text, bool overwrite = true);
 
 /// Refuses what DataFile::create refuses, without creating a file. To be called before long work.
 Status check_writable_target(const std::string& path, bool overwrite);

@@ -62,7 +62,8 @@ Result<std::vector<Problem>> chosen_problems(const std::vector<std::string>& nam
     if (chosen.size() > before) continue;
     const std::string nearest = nearest_name(name, known);
     return Error{ErrorCode::usage, "accuracy: found problem \"" + name + "\", expected one of --list",
-                 nearest.empty() ? "see `ticktrue accuracy --list`" : "did you mean " + nearest + "?"};
+                 nearest.empty() ? "see `ticktrue accuracy --list`; the name of a file of one's own ends in .json"
+                                 : "did you mean " + nearest + "?"};
   }
   return chosen;
 }
@@ -75,8 +76,42 @@ int list_problems(const std::vector<Problem>& problems) {
   return exit_ok;
 }
 
+/// Errors: io, usage.
+Status check_targets(const AccuracyCommand& command) {
+  std::vector<std::string> read = own_files(command.problems);
+  if (!command.engine_program.empty()) read.push_back(command.engine_program);
+  return check_study_files(command.files, read);
+}
+
+/// What makes the table again.
+std::string command_line_of(const AccuracyCommand& command, int repeat_max, unsigned thread_count) {
+  std::string line = "ticktrue accuracy" + words_text(command.problems);
+  for (const std::string& precision : command.precisions) line += " --precision " + precision;
+  if (command.view.points) line += " --points";
+  if (command.view.brief) line += " --brief";
+  if (command.view.no_times) return line + " --no-times";
+  return line + fmt::format(" --repeats {} -j {}", repeat_max, thread_count);
+}
+
+/// Warns of users' problems that claim something, of which nothing was judged. True if there is none.
+bool warn_of_claims(const std::vector<Problem>& problems, const std::vector<verifier::AccuracyCurve>& curves) {
+  bool all_are_judged = true;
+  for (const Problem& problem : problems) {
+    if (!verifier::claims_of_own(problem)) continue;
+    const bool is_judged = std::any_of(curves.begin(), curves.end(), [&](const verifier::AccuracyCurve& curve) {
+      return curve.problem == problem.name && curve.judgement.verdict != StudyVerdict::not_judged &&
+             curve.judgement.verdict != StudyVerdict::not_applicable;
+    });
+    if (!is_judged) print_warning(problem.name + ": nothing was judged of what the file claims");
+    all_are_judged = all_are_judged && is_judged;
+  }
+  return all_are_judged;
+}
+
 int run_accuracy_command(const AccuracyCommand& command) {
   const unsigned thread_count = command.thread_count > 0 ? static_cast<unsigned>(command.thread_count) : core_count();
+  if (!command.list && !command.example)
+    if (const Status status = check_targets(command); !status) return fail_usage(status.error());
   if (!command.peers.empty())
     return run_accuracy_peer(
         {command.problems, command.peers, command.engine_program, static_cast<int>(command.repeat_count)},
@@ -99,15 +134,7 @@ int run_accuracy_command(const AccuracyCommand& command) {
   const auto curves = verifier::run_accuracy(*problems, options);
   progress.finish();
   if (!curves) return fail_usage(curves.error());
-  std::string command_line = "ticktrue accuracy";
-  for (const std::string& name : command.problems) command_line += " " + name;
-  for (const engine::Precision precision : options.precisions)
-    command_line += " --precision " + std::string(precision_name(precision));
-  if (command.view.brief) command_line += " --brief";
-  if (command.view.no_times)
-    command_line += " --no-times";
-  else
-    command_line += fmt::format(" --repeats {} -j {}", options.repeat_max, thread_count);
+  const std::string command_line = command_line_of(command, options.repeat_max, thread_count);
   if (command.files.json)
     print_json(accuracy_json(*problems, *curves, command_line));
   else
@@ -116,7 +143,8 @@ int run_accuracy_command(const AccuracyCommand& command) {
                                          accuracy_plots(*problems, *curves, options.precisions));
       code != exit_ok)
     return code;
-  return verdicts_of(*curves).of(StudyVerdict::fail) > 0 ? exit_finding : exit_ok;
+  const bool all_claims_are_judged = warn_of_claims(*problems, *curves);
+  return verdicts_of(*curves).of(StudyVerdict::fail) > 0 || !all_claims_are_judged ? exit_finding : exit_ok;
 }
 
 }  // namespace

@@ -78,8 +78,8 @@ Json peer_json(const std::vector<verifier::PeerCurves>& scenes, const std::vecto
 }
 
 std::string peer_text(const std::vector<verifier::PeerCurves>& scenes, const std::vector<PeerKind>& kinds,
-                      const std::string& asked) {
-  std::string text = "accuracy  ticktrue accuracy --peer " + asked;
+                      const std::string& command_line) {
+  std::string text = "accuracy  " + command_line;
   for (const PeerKind kind : kinds) text += "  Box2D " + peer_version(kind);
   text += "\n";
   for (const auto& scene : scenes) {
@@ -123,7 +123,7 @@ int run_accuracy_peer(const AccuracyPeerOptions& options, const StudyFiles& file
     const PeerKind kind = name == first_peer_name ? PeerKind::box2d2 : engine::find_choice(verifier::peers, name)->kind;
     if (std::find(kinds.begin(), kinds.end(), kind) == kinds.end()) kinds.push_back(kind);
   }
-  if (!options.engine_program.empty()) asked_text += " --engine " + options.engine_program;
+  if (!options.engine_program.empty()) asked_text += " --engine" + words_text({options.engine_program});
   Progress progress("accuracy --peer " + asked_text, 1, "runs");
   verifier::PeerCurvesOptions curves;
   curves.names = options.scenes;
@@ -137,7 +137,9 @@ int run_accuracy_peer(const AccuracyPeerOptions& options, const StudyFiles& file
   if (files.json)
     print_json(peer_json(*scenes, kinds, options.engine_program));
   else
-    print(peer_text(*scenes, kinds, asked_text));
+    print(peer_text(*scenes, kinds,
+                    fmt::format("ticktrue accuracy --peer {}{} --repeats {}", asked_text, words_text(options.scenes),
+                                options.repeat_count)));
   std::string csv = verifier::csv_line({"scene", "engine", "setting", "error_m", "error_max_m", "stands",
                                         "ms_per_tick_min", "ms_per_tick_median", "ms_per_tick_iqr"});
   std::vector<verifier::Plot> plots;

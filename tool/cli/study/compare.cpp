@@ -101,11 +101,12 @@ std::string explanation() {
   return text;
 }
 
-// As much of a name as the table has room for.
+// As much of a name as the table has room for. Of varied keys all: the end tells variants apart.
 std::string name_text(const CompareRow& row) {
   constexpr std::size_t size_max = 36;
   const std::string& name = row.variant.name;
-  return name.size() <= size_max ? name : name.substr(0, size_max - 3) + "...";
+  const bool is_whole = name.size() <= size_max || !row.variant.varied_values.empty();
+  return is_whole ? name : name.substr(0, size_max - 3) + "...";
 }
 
 std::string bits_text(const CompareRow& row) {
@@ -227,17 +228,29 @@ Json report_json(const CompareReport& report, const CompareSession& session, con
   return object;
 }
 
-std::string csv_of(const CompareReport& report) {
-  std::string text =
-      verifier::csv_line({"variant", "verdict", "time_s", "position_max_m", "position_rms_m", "angle_max_rad",
-                          "twins_rms_m", "energy_j", "momentum", "overlap_m", "joint_gap_m"});
+/// With a column for each varied key, empty for the base and its twins.
+std::string csv_of(const CompareReport& report, const std::vector<verifier::VariedKey>& varied) {
+  std::string text;
+  const auto add_line = [&](const std::string& name, const std::vector<std::string>& values,
+                            const std::vector<std::string>& cells) {
+    std::vector<std::string> line{name};
+    line.insert(line.end(), values.begin(), values.end());
+    line.resize(1 + varied.size());
+    line.insert(line.end(), cells.begin(), cells.end());
+    text += verifier::csv_line(line);
+  };
+  std::vector<std::string> keys;
+  for (const verifier::VariedKey& key : varied) keys.push_back(key.key);
+  add_line("variant", keys,
+           {"verdict", "time_s", "position_max_m", "position_rms_m", "angle_max_rad", "twins_rms_m", "energy_j",
+            "momentum", "overlap_m", "joint_gap_m"});
   const auto add = [&](const CompareRow& row) {
     for (const auto& sample : row.samples)
-      text += verifier::csv_line({row.variant.name, std::string(verdict_name(row.verdict)), full_number(sample.time_s),
-                                  full_number(sample.position_max), full_number(sample.position_rms),
-                                  full_number(sample.angle_max), full_number(sample.twin_rms),
-                                  full_number(sample.energy), full_number(sample.momentum), full_number(sample.overlap),
-                                  full_number(sample.joint_gap)});
+      add_line(row.variant.name, row.variant.varied_values,
+               {std::string(verdict_name(row.verdict)), full_number(sample.time_s), full_number(sample.position_max),
+                full_number(sample.position_rms), full_number(sample.angle_max), full_number(sample.twin_rms),
+                full_number(sample.energy), full_number(sample.momentum), full_number(sample.overlap),
+                full_number(sample.joint_gap)});
   };
   add(report.base);
   for (const CompareRow& row : report.twins) add(row);
@@ -340,15 +353,26 @@ bool is_trace(const std::string& path) {
   return path.size() > 4 && path.compare(path.size() - 4, 4, ".ttr") == 0;
 }
 
+/// Errors: usage.
+Result<std::vector<verifier::VariedKey>> varied_keys_of(const CompareCommand& command) {
+  std::vector<verifier::VariedKey> keys;
+  for (const std::string& text : command.varied) {
+    auto varied = verifier::parse_varied(text, "--vary");
+    if (!varied) return varied.error();
+    keys.push_back(*std::move(varied));
+  }
+  verifier::label_keys(keys);
+  return keys;
+}
+
 /// Errors: usage; what --vary makes of the scene.
-Result<std::vector<verifier::Variant>> variants_of(const CompareCommand& command, const engine::Scene& scene) {
+Result<std::vector<verifier::Variant>> variants_of(const CompareCommand& command, const engine::Scene& scene,
+                                                   const std::vector<verifier::VariedKey>& varied) {
   const auto axes = axes_of(command);
   if (!axes) return axes.error();
   std::vector<verifier::Variant> variants = verifier::product_of(*axes);
-  for (const std::string& text : command.varied) {
-    const auto varied = verifier::parse_varied(text, "--vary");
-    if (!varied) return varied.error();
-    auto more = verifier::with_varied(variants, scene, *varied, "--vary " + text);
+  for (std::size_t i = 0; i < varied.size(); ++i) {
+    auto more = verifier::with_varied(variants, scene, varied[i], "--vary " + command.varied[i]);
     if (!more) return more.error();
     variants = *std::move(more);
     if (variants.size() > variant_count_max)
@@ -363,7 +387,15 @@ Result<std::vector<verifier::Variant>> variants_of(const CompareCommand& command
                "ticktrue compare pyramid --integrator velocity_verlet,rk4"};
 }
 
+/// Errors: io, usage.
+Status check_targets(const CompareCommand& command) {
+  std::vector<std::string> read = command.hosts;
+  read.push_back(command.subject);
+  return check_study_files(command.files, read);
+}
+
 int run_compare(const CompareCommand& command) {
+  if (const Status status = check_targets(command); !status) return fail_usage(status.error());
   CompareSession session;
   if (is_trace(command.subject)) {
     auto read = verifier::session_of_trace(command.subject);
@@ -378,7 +410,9 @@ int run_compare(const CompareCommand& command) {
   }
   for (const std::string& host : command.hosts)
     if (const Status known = verifier::check_host(host, command.host_seed); !known) return fail_usage(known.error());
-  const auto variants = variants_of(command, session.scene);
+  const auto varied = varied_keys_of(command);
+  if (!varied) return fail_usage(varied.error());
+  const auto variants = variants_of(command, session.scene, *varied);
   if (!variants) return fail_usage(variants.error());
   verifier::CompareOptions options;
   options.twin_count = static_cast<int>(command.twin_count);
@@ -396,7 +430,8 @@ int run_compare(const CompareCommand& command) {
     print_json(report_json(*report, session, command_line));
   else
     print(report_text(*report, session, command_line) + (command.explains ? explanation() : ""));
-  if (const int code = write_study_files(command.files, csv_of(*report), plots_of(*report, session)); code != exit_ok)
+  if (const int code = write_study_files(command.files, csv_of(*report, *varied), plots_of(*report, session));
+      code != exit_ok)
     return code;
   return report->base.verdict == CompareVerdict::not_finite ||
                  std::any_of(report->rows.begin(), report->rows.end(),

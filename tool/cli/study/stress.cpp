@@ -305,8 +305,7 @@ int run_run_times(const StressCommand& command) {
   const auto rows = verifier::run_times(options);
   progress.finish();
   if (!rows) return fail_usage(rows.error());
-  std::string command_line = "ticktrue stress --run-time";
-  for (const std::string& name : command.cases) command_line += " " + name;
+  std::string command_line = "ticktrue stress --run-time" + words_text(command.cases);
   for (const std::string& name : command.precisions) command_line += " --precision " + name;
   if (command.loads != "measured") command_line += " --loads " + command.loads;
   if (command.budget != engine::default_substep_budget) command_line += " --budget " + std::to_string(command.budget);
@@ -323,6 +322,8 @@ int run_stress_command(const StressCommand& command) {
     print(verifier::example_stress);
     return exit_ok;
   }
+  if (const Status status = check_study_files(command.files, own_files(command.cases)); !status)
+    return fail_usage(status.error());
   if (command.run_time) return run_run_times(command);
   verifier::StressOptions options;
   for (const std::string& name : command.cases) {
@@ -349,13 +350,13 @@ int run_stress_command(const StressCommand& command) {
     if (!found) return fail_usage(found.error());
     limits = *std::move(found);
   }
-  std::string command_line = "ticktrue stress";
-  for (const std::string& name : command.cases) command_line += " " + name;
+  std::string command_line = "ticktrue stress" + words_text(command.cases);
   for (const engine::Precision precision : options.precisions)
     command_line += " --precision " + std::string(precision_name(precision));
   if (command.with_long) command_line += " --long";
   if (command.brief) command_line += " --brief";
   if (command.limits_alone) command_line += " --limits";
+  if (command.no_limits) command_line += " --no-limits";
   const VerdictCounts counts = verdicts_of(*rows, limits);
   if (command.files.json)
     print_json(report_json(*rows, limits, command_line));

@@ -18,8 +18,18 @@ struct StudyFiles {
   bool json = false;
   std::string csv;   // path; empty: none
   std::string plot;  // path; empty: none
+  bool force = false;
 };
 void add_study_files(CLI::App& command, StudyFiles& files);
+
+/// Refuses a file that cannot be written, before the long run, and leaves nothing. `read`: the files that the command
+/// reads; names of other things do no harm. Errors: io, usage.
+Status check_study_files(const StudyFiles& files, const std::vector<std::string>& read);
+/// The .json files among the words, and the files beside them that they name (a reference, a scene).
+std::vector<std::string> own_files(const std::vector<std::string>& words);
+
+/// The words with their options as one line for a shell, each after a blank.
+std::string words_text(const std::vector<std::string>& words);
 
 /// Writes what was asked for. Returns exit_ok, or prints the error and returns its code; a plot that cannot be made is
 /// a warning: the table was printed.

@@ -8,6 +8,7 @@
 #include <memory>
 #include <mutex>
 
+#include "base/limits.h"
 #include "engine/json/number_text.h"
 #include "engine/scene/json_reader.h"
 #include "engine/scene/scene_json.h"
@@ -28,7 +29,10 @@ using engine::Precision;
 using engine::Scene;
 
 constexpr engine::FieldRange sample_range{1, 10'000};
-constexpr engine::FieldRange substep_range{1, 1024};
+constexpr engine::FieldRange substep_range{1, limits::substep_count_max};
+constexpr std::size_t slope_setting_least = 3;
+// Values that differ more are of different kinds, or one of them hardly matters to a common scale.
+constexpr double scale_ratio_most = 3;
 
 /// The contents of the file.
 struct ProblemText {
@@ -41,12 +45,13 @@ struct ProblemText {
   std::vector<std::string> exact;
   std::string reference;
   bool is_angle = false;
-  double scale = 0;
+  std::vector<double> scales;  // one for all, or one for each observed value
   double size = 0;
   std::vector<std::string> methods;
   std::vector<int> substeps;
   std::optional<double> slope;
   std::optional<double> slope_of_higher;
+  std::vector<std::pair<std::string, double>> slopes;
   std::vector<Bar> bars;
 };
 
@@ -72,7 +77,7 @@ class ProblemReader final : public OwnFileReader {
         {"exact", texts(out.exact)},
         {"reference", text(out.reference)},
         {"angle", [&](const JsonValue& v, const JsonPath& p) { return read(v, p, out.is_angle); }},
-        {"scale", [&](const JsonValue& v, const JsonPath& p) { return positive(v, p, out.scale); }},
+        {"scale", [&](const JsonValue& v, const JsonPath& p) { return read_scales(v, p, out.scales); }},
         {"size", [&](const JsonValue& v, const JsonPath& p) { return positive(v, p, out.size); }},
         {"methods", texts(out.methods)},
         {"substeps", [&](const JsonValue& v, const JsonPath& p) { return read_substeps(v, p, out.substeps); }},
@@ -90,12 +95,31 @@ class ProblemReader final : public OwnFileReader {
     if (!out.exact.empty() && out.exact.size() != out.observe.size())
       return fail({&path, "exact"}, "found " + std::to_string(out.exact.size()) + " expressions, expected " +
                                         std::to_string(out.observe.size()) + ", as in observe");
+    if (out.scales.size() > 1 && out.scales.size() != out.observe.size())
+      return fail({&path, "scale"}, "found " + std::to_string(out.scales.size()) + " numbers, expected one, or " +
+                                        std::to_string(out.observe.size()) + ", as in observe");
+    if (out.scales.size() > 1 && (out.is_angle || out.size > 0))
+      return fail({&path, "scale"}, "found several numbers, expected one: the file has angle or size");
     return true;
   }
 
  private:
-  /// Reads one slope for all integrators, or [of order 1, of higher order].
+  bool read_scales(const JsonValue& value, const JsonPath& path, std::vector<double>& out) {
+    if (value.type != JsonValue::Type::array) return positive(value, path, out.emplace_back());
+    const auto read_one = [&](const auto& v, const auto& p, double& scale) { return positive(v, p, scale); };
+    return list(value, path, out, read_one) &&
+           (!out.empty() || fail(path, "found nothing, expected one number, or one for each value of observe"));
+  }
+
+  /// Reads one slope for all integrators, [of order 1, of higher order], or {method: slope}.
   bool read_slope(const JsonValue& value, const JsonPath& path, ProblemText& out) {
+    if (value.type == JsonValue::Type::object) {
+      for (std::size_t i = 0; i < value.items.size(); ++i) {
+        double& slope = out.slopes.emplace_back(value.keys[i], 0).second;
+        if (!read(value.items[i], {&path, value.keys[i]}, slope)) return false;
+      }
+      return !out.slopes.empty() || fail(path, "found nothing, expected methods with their slopes");
+    }
     if (value.type != JsonValue::Type::array) return read(value, path, out.slope.emplace());
     return pair(value, path, "[of order 1, of higher order]", out.slope.emplace(), out.slope_of_higher.emplace());
   }
@@ -149,6 +173,16 @@ Result<std::shared_ptr<SharedExpressions>> parse_all(const std::vector<std::stri
   return shared;
 }
 
+/// Whether a scene has energy that energy_of does not count.
+bool stores_other_energy(const Scene& scene) {
+  const auto is_stored = [](const engine::Force& force) {
+    return force.kind == engine::ForceKind::spring || force.kind == engine::ForceKind::central;
+  };
+  const auto has_spring = [](const engine::Joint& joint) { return joint.spring || joint.linear_spring; };
+  return std::any_of(scene.forces.begin(), scene.forces.end(), is_stored) ||
+         std::any_of(scene.joints.begin(), scene.joints.end(), has_spring);
+}
+
 class ProblemMaker {
  public:
   ProblemMaker(std::string path, std::string json, ProblemText text)
@@ -168,9 +202,11 @@ class ProblemMaker {
     problem.bars = text_.bars;
     problem.slope = text_.slope;
     problem.slope_of_higher = text_.slope_of_higher;
+    problem.slopes = text_.slopes;
+    problem.is_own = true;
     if (!text_.slope) problem.why_no_slope = path_ + " states no slope";
-    for (const auto step :
-         {&ProblemMaker::add_scene, &ProblemMaker::add_observe, &ProblemMaker::add_exact, &ProblemMaker::check_methods})
+    for (const auto step : {&ProblemMaker::add_scene, &ProblemMaker::add_observe, &ProblemMaker::add_exact,
+                            &ProblemMaker::add_scales, &ProblemMaker::check_sweep, &ProblemMaker::check_methods})
       if (const Status done = (this->*step)(problem); !done) return done.error();
     return problem;
   }
@@ -231,18 +267,63 @@ class ProblemMaker {
         return shared->values([&](Expression& expression) { return expression.evaluate_at(time_s); });
       };
     }
-    double largest = 0;
+    return {};
+  }
+
+  /// Errors of several values are relative to one number, or each to its own.
+  Status add_scales(Problem& problem) {
+    std::vector<double> largest(text_.observe.size());  // of each value
+    double largest_of_all = 0;
     for (int sample = 1; sample <= problem.sample_count; ++sample) {
       const double time_s = problem.duration * sample / problem.sample_count;
+      const std::vector<double> values = problem.exact(time_s);
       double squares = 0;
-      for (const double value : problem.exact(time_s)) squares += value * value;
+      for (std::size_t i = 0; i < values.size(); ++i) {
+        squares += values[i] * values[i];
+        largest[i] = std::max(largest[i], std::fabs(values[i]));
+      }
       if (!std::isfinite(squares))
         return reader_.error_at("exact", "found a value that is not finite at " + number_text(time_s) + " s");
-      largest = std::max(largest, std::sqrt(squares));
+      largest_of_all = std::max(largest_of_all, std::sqrt(squares));
     }
-    problem.scale = text_.scale > 0 ? text_.scale : largest;
-    if (problem.scale > 0) return {};
-    return reader_.error_at("scale", "found none, and exact values of 0, expected what errors are relative to");
+    if (text_.scales.size() > 1) {
+      divide_by_scales(problem);
+      return {};
+    }
+    problem.scale = text_.scales.empty() ? largest_of_all : text_.scales[0];
+    if (!(problem.scale > 0))
+      return reader_.error_at("scale", "found none, and exact values of 0, expected what errors are relative to");
+    const auto [least, most] = std::minmax_element(largest.begin(), largest.end());
+    if (text_.scales.empty() && *least > 0 && *most > scale_ratio_most * *least)
+      return reader_.error_at("scale",
+                              "found none, and values of observe of up to " + short_number(*most) + " and of up to " +
+                                  short_number(*least) + ", expected what errors are relative to",
+                              "one number for all, or a list with one for each value of observe");
+    return {};
+  }
+
+  /// Observed and exact values are divided, and the scale of all becomes 1.
+  void divide_by_scales(Problem& problem) {
+    const auto divided = [scales = text_.scales](std::vector<double> values) {
+      for (std::size_t i = 0; i < values.size(); ++i) values[i] /= scales[i];
+      return values;
+    };
+    problem.observe = [observe = problem.observe, divided](const engine::Engine& engine) {
+      return divided(observe(engine));
+    };
+    problem.exact = [exact = problem.exact, divided](double time_s) { return divided(exact(time_s)); };
+    problem.scale = 1;
+  }
+
+  Status check_sweep(Problem& problem) {
+    if (problem.substep_counts.empty()) return {};
+    if (problem.kind == ProblemClass::smooth)
+      return reader_.error_at("substeps", "found with free_flight, whose sweep is over dt, expected none");
+    const bool claims_slope = problem.slope || !problem.slopes.empty();
+    if (claims_slope && problem.substep_counts.size() < slope_setting_least)
+      return reader_.error_at("substeps", "found " + std::to_string(problem.substep_counts.size()) +
+                                              " of them, expected at least 3: the file claims a slope");
+    return {};
   }
 
   Status add_reference(Problem& problem) {
@@ -276,6 +357,8 @@ class ProblemMaker {
     for (const std::string& name : names)
       if (const Status is_known = check("methods", name); !is_known) return is_known;
     problem.method_names = std::move(names);
+    for (const auto& [name, slope] : problem.slopes)
+      if (const Status is_known = check("slope", name); !is_known) return is_known;
     for (const Bar& bar : problem.bars) {
       if (const Status is_known = check("bars", bar.method); !is_known) return is_known;
       if (const Status is_run = check_bar(problem, bar); !is_run) return is_run;
@@ -285,6 +368,9 @@ class ProblemMaker {
 
   /// Refuses a bar for a setting that no point has, because such a bar could never be missed.
   Status check_bar(const Problem& problem, const Bar& bar) {
+    if (bar.energy > 0 && stores_other_energy(problem.scene(Precision::f64)))
+      return reader_.error_at("bars", "found energy in a scene with springs or central forces, expected error",
+                              "energy counts motion and gravity alone");
     std::vector<std::string> settings;
     for (const Method& method : methods_of(problem)) {
       if (method.name != bar.method) continue;

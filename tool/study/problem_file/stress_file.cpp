@@ -50,7 +50,8 @@ struct StressText {
   double upper = std::numeric_limits<double>::infinity();
   std::string unit;
   std::vector<std::string> vary;
-  std::vector<std::string> methods;
+  std::vector<std::string> methods;  // judged
+  std::vector<std::string> beside;   // shown beside them
 };
 
 class StressReader final : public OwnFileReader {
@@ -81,6 +82,7 @@ class StressReader final : public OwnFileReader {
         {"unit", text(out.unit)},
         {"vary", texts(out.vary)},
         {"methods", texts(out.methods)},
+        {"beside", texts(out.beside)},
     };
     if (!object(root, path, fields)) return false;
     if (!(out.from >= 0 && out.from < out.duration))
@@ -166,16 +168,26 @@ Result<std::vector<StressMethod>> methods_of(const StressText& text, const Scene
   const bool is_free = scene.settings.solver == engine::SolverKind::free_flight;
   for (StressMethod& method : is_free ? integrator_methods() : joint_methods()) known.push_back(std::move(method));
   if (!is_free) known.push_back(contact_methods().back());
-  if (text.methods.empty()) return known;
   std::vector<StressMethod> chosen;
-  std::vector<std::string_view> names;
-  for (const StressMethod& method : known) names.push_back(method.name);
-  for (const std::string& name : text.methods) {
-    const auto found = std::find(names.begin(), names.end(), name);
-    if (found == names.end())
-      return reader.error_at("methods", "found " + engine::in_quotes(name) + ", expected " + engine::listed(names));
-    chosen.push_back(known[static_cast<std::size_t>(found - names.begin())]);
-  }
+  const auto add = [&](const char* key, const std::vector<std::string>& chosen_names, bool is_baseline) -> Status {
+    std::vector<std::string_view> names;
+    for (const StressMethod& method : known) names.push_back(method.name);
+    for (const std::string& name : chosen_names) {
+      const auto found = std::find(names.begin(), names.end(), name);
+      if (found == names.end())
+        return reader.error_at(key, "found " + engine::in_quotes(name) + ", expected " + engine::listed(names));
+      chosen.push_back(known[static_cast<std::size_t>(found - names.begin())]);
+      chosen.back().is_baseline = is_baseline;
+    }
+    return {};
+  };
+  std::vector<std::string> others;
+  if (text.methods.empty() && text.beside.empty())
+    for (const StressMethod& method : known)
+      if (method.name != as_stated) others.push_back(method.name);
+  const std::vector<std::string> judged = text.methods.empty() ? std::vector{std::string(as_stated)} : text.methods;
+  if (const Status done = add("methods", judged, false); !done) return done.error();
+  if (const Status done = add("beside", others.empty() ? text.beside : others, true); !done) return done.error();
   return chosen;
 }
 
@@ -215,7 +227,8 @@ const char* const example_stress = R"({
   "from": 2,
   "measure": "overlap / 1.0",
   "upper": 0.05,
-  "methods": ["tgs_soft", "tgs_soft auto", "pgs"]
+  "methods": "tgs_soft auto",
+  "beside": ["tgs_soft", "pgs"]
 }
 )";
 
@@ -245,6 +258,7 @@ Result<std::vector<StressCase>> read_stress_file(const std::string& path) {
     made.lower = text.lower;
     made.upper = text.upper;
     made.methods = *methods;
+    made.is_own = true;
     made.run = [measured, own = std::move(each.scene)](const StressMethod& method, Precision precision) {
       Scene run = method.name == as_stated ? own : with_method(own, method);
       run.settings.precision = precision;

@@ -95,7 +95,7 @@ void excuse(std::vector<StressRow>& rows, const StressCase& stress_case) {
     if (known != stress_case.shortfalls.end()) {
       row.verdict = StudyVerdict::falls_short;
       row.reason = known->reason;
-    } else if (const StressMethod* other = passing(methods[i])) {
+    } else if (const StressMethod* other = stress_case.is_own ? nullptr : passing(methods[i])) {
       row.verdict = StudyVerdict::falls_short;
       row.reason = passes_with(*other);
     }

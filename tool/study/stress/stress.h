@@ -73,6 +73,7 @@ struct StressCase {
   std::string source;      // source of best_known
   bool is_long = false;    // takes minutes: runs only on request
   std::vector<StressMethod> methods;
+  bool is_own = false;                         // of a user's file: a method that is no baseline is never excused
   std::optional<engine::Precision> only = {};  // the only precision of the case, whatever is requested
   std::vector<StressCure> cures = {};
   std::vector<StressShortfall> shortfalls = {};
@@ -100,8 +101,8 @@ struct StressRow {
 /// Whether a value is within its bounds, before any excuse.
 StudyVerdict judge(const StressCase& stress_case, const StressValue& value);
 /// Excuses failed rows. A failed baseline is not judged. Any other failed method falls short if docs/study.md says so,
-/// or if another method passes. A method that a document names as the cure is never excused. `rows` are all rows of the
-/// case in one precision, in the order of its methods.
+/// or if another method passes, unless the case is a user's. A method that a document names as the cure is never
+/// excused. `rows` are all rows of the case in one precision, in the order of its methods.
 void excuse(std::vector<StressRow>& rows, const StressCase& stress_case);
 
 struct StressOptions {
