@@ -63,7 +63,7 @@ std::vector<std::string> paths_of(std::string_view markdown) {
   return paths;
 }
 
-/// Such as docs/decisions/0014.
+/// Whether a path names a decision by its number alone, such as docs/decisions/0014.
 bool is_short_name_of_a_decision(const std::string& path) {
   for (const fs::directory_entry& entry : fs::directory_iterator(fs::path(TICKTRUE_SOURCE_DIR) / "docs/decisions"))
     if (starts_with("docs/decisions/" + entry.path().filename().string(), path + "-")) return true;

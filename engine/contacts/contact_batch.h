@@ -23,7 +23,7 @@ struct BatchRun {
   std::size_t chunk_size;  // in batches
 };
 
-/// A batch with contacts of crowds, and what its contacts get for pushing them apart.
+/// A batch with contacts of crowds, and its impulses before they are pushed apart.
 struct CrowdedBatch {
   std::uint32_t batch;
   std::uint32_t lanes;                 // bit i: lane i is in a crowd

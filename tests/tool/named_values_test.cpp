@@ -101,7 +101,7 @@ TEST_CASE("the force of a joint has no sign: what hangs and what stands on a rod
   }
 }
 
-TEST_CASE("bodies that sleep are told in CSV, and none sleeps where the scene does not",
+TEST_CASE("the CSV says which bodies sleep, and in a scene without sleep none does",
           "[verifier][expression][analytic]") {
   for (const bool sleeps : {true, false}) {
     CAPTURE(sleeps);

@@ -83,7 +83,7 @@ Status check_targets(const AccuracyCommand& command) {
   return check_study_files(command.files, read);
 }
 
-/// What makes the table again.
+/// The command line that prints the same table again.
 std::string command_line_of(const AccuracyCommand& command, int repeat_max, unsigned thread_count) {
   std::string line = "ticktrue accuracy" + words_text(command.problems);
   for (const std::string& precision : command.precisions) line += " --precision " + precision;
@@ -93,7 +93,7 @@ std::string command_line_of(const AccuracyCommand& command, int repeat_max, unsi
   return line + fmt::format(" --repeats {} -j {}", repeat_max, thread_count);
 }
 
-/// Warns of users' problems that claim something, of which nothing was judged. True if there is none.
+/// Warns of each problem file of which no claim could be judged. True if there is none.
 bool warn_of_claims(const std::vector<Problem>& problems, const std::vector<verifier::AccuracyCurve>& curves) {
   bool all_are_judged = true;
   for (const Problem& problem : problems) {
