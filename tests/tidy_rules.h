@@ -248,7 +248,7 @@ inline constexpr Room rooms[] = {
      "tool/experiment/shake,tool/experiment/trail,tool/experiment/unsaved,tool/expression,tool/import,tool/play,"
      "tool/report_page"},
     {"tool/cli/study",
-     "below,tool/cli,tool/output,tool/session,tool/crosscheck,tool/study,"
+     "below,tool/cli,tool/output,tool/session,tool/crosscheck,tool/expression,tool/study,"
      "tool/study/problem_file,tool/study/stress"},
     {"tool/cli/upkeep",
      "below,tool/cli,tool/output,tool/session,tool/corpus,tool/corpus/run,tool/debug_info,tool/environment,"

@@ -463,8 +463,14 @@ TEST_CASE("a key of the scene is varied, and its effect is the law's", "[verifie
   REQUIRE(variants.has_value());
   REQUIRE(variants->size() == 4);
   CHECK((*variants)[1].name == "friction 0.5");
-  const auto report = compare_variants(session, *variants, {});
+  CompareOptions options;
+  options.measure = [](const engine::Engine& engine) {
+    return std::vector<double>{engine.bodies()[1].center.x, engine.bodies()[1].velocity.x};
+  };
+  const auto report = compare_variants(session, *variants, options);
   REQUIRE(report.has_value());
+  const std::vector<double>& base_end = report->base.samples.back().values;
+  REQUIRE(base_end.size() == 2);
   for (std::size_t i = 0; i < 4; ++i) {
     // The friction is the root of the product of both materials. All bodies stop, in the base after v^2 / (2 mu g).
     const CompareRow& row = report->rows[i];
@@ -475,6 +481,11 @@ TEST_CASE("a key of the scene is varied, and its effect is the law's", "[verifie
     REQUIRE(row.samples.size() == 120);
     CHECK(row.samples.back().energy < row.samples.front().energy - 1);
     CHECK(row.samples.back().momentum < 1e-3);
+    const std::vector<double>& end = row.samples.back().values;
+    REQUIRE(end.size() == 2);
+    CHECK(end[0] - base_end[0] == Approx(way(0.25 * static_cast<double>(i + 1)) - base_way).margin(0.03));
+    CHECK(std::fabs(end[1]) < 1e-3);
+    CHECK(row.samples.front().values[1] > 1);  // each sample has the values of its time
   }
   CHECK(report->rows[1].verdict == CompareVerdict::same_bits);  // this friction equals that of the scene
   const auto product = with_varied(*variants, session.scene, {"gravity.1", {"-5", "-20"}}, "--vary");

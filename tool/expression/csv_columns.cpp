@@ -62,25 +62,36 @@ Status CsvColumns::add(const std::string& name, const engine::Scene& scene, cons
                known + "; " + named_values_text() + "; * for each body or joint"};
 }
 
-std::string CsvColumns::head() const {
-  std::string text = "tick,time";
+std::vector<std::string> CsvColumns::names() const {
+  std::vector<std::string> names;
   for (const auto& column : columns_) {
     const auto* world = std::get_if<WorldValue>(&column);
-    text += ",";
-    text += world != nullptr ? std::string(world_values[static_cast<std::size_t>(*world)].name)
-                             : std::get<NamedValue>(column).name;
+    names.push_back(world != nullptr ? std::string(world_values[static_cast<std::size_t>(*world)].name)
+                                     : std::get<NamedValue>(column).name);
   }
+  return names;
+}
+
+std::vector<double> CsvColumns::values(const engine::Engine& engine) const {
+  WorldMeasures measures(engine);
+  NamedValues named(engine);
+  std::vector<double> values;
+  for (const auto& column : columns_) {
+    const auto* world = std::get_if<WorldValue>(&column);
+    values.push_back(world != nullptr ? measures.of(*world) : named.of(std::get<NamedValue>(column)));
+  }
+  return values;
+}
+
+std::string CsvColumns::head() const {
+  std::string text = "tick,time";
+  for (const std::string& name : names()) text += "," + name;
   return text + "\n";
 }
 
 std::string CsvColumns::row(const engine::Engine& engine, std::uint64_t tick) const {
-  WorldMeasures measures(engine);
-  NamedValues values(engine);
   std::string text = fmt::format("{},{}", tick, cell(engine.time_s()));
-  for (const auto& column : columns_) {
-    const auto* world = std::get_if<WorldValue>(&column);
-    text += "," + cell(world != nullptr ? measures.of(*world) : values.of(std::get<NamedValue>(column)));
-  }
+  for (const double value : values(engine)) text += "," + cell(value);
   return text + "\n";
 }
 

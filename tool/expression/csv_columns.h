@@ -23,6 +23,10 @@ class CsvColumns {
   static Result<CsvColumns> make(const std::vector<std::string>& names, const engine::Scene& scene,
                                  const std::string& option);
 
+  /// Without `tick` and `time`.
+  std::vector<std::string> names() const;
+  /// As names(). NaN: the value does not exist in this state.
+  std::vector<double> values(const engine::Engine& engine) const;
   /// With its end of line, as row().
   std::string head() const;
   /// A value that does not exist or is not finite is an empty cell.

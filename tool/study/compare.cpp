@@ -371,6 +371,7 @@ Trajectory run_trajectory(const CompareSession& session, const Variant& variant,
     trajectory.samples.push_back(between(before, before_s, now, engine.time_s(), time_s));
     const auto contacts = engine.contacts();
     trajectory.measures.push_back(measured(scene, now, contacts));
+    if (options.measure) trajectory.measures.back().values = options.measure(engine);
     const CompareSample& measured_now = trajectory.measures.back();
     trajectory.row.overlap_max = std::max(trajectory.row.overlap_max, measured_now.overlap);
     trajectory.row.joint_gap_max = std::max(trajectory.row.joint_gap_max, measured_now.joint_gap);

@@ -21,6 +21,7 @@
 #include <vector>
 
 #include "base/result.h"
+#include "engine/engine.h"
 #include "engine/scene/scene.h"
 #include "tool/crosscheck/crosscheck.h"
 #include "tool/session/scene_key.h"
@@ -93,14 +94,15 @@ inline constexpr std::array<std::string_view, 6> compare_verdict_meanings{
 /// The difference from the base at one time.
 struct CompareSample {
   double time_s = 0;
-  double position_max = 0;  // m
-  double position_rms = 0;  // m, over the bodies that exist in both runs
-  double angle_max = 0;     // rad
-  double twin_rms = 0;      // m, the largest RMS of the twins so far
-  double energy = 0;        // J, kinetic energy plus potential energy of gravity
-  double momentum = 0;      // kg m/s, magnitude
-  double overlap = 0;       // m, the deepest
-  double joint_gap = 0;     // m, the largest
+  double position_max = 0;     // m
+  double position_rms = 0;     // m, over the bodies that exist in both runs
+  double angle_max = 0;        // rad
+  double twin_rms = 0;         // m, the largest RMS of the twins so far
+  double energy = 0;           // J, kinetic energy plus potential energy of gravity
+  double momentum = 0;         // kg m/s, magnitude
+  double overlap = 0;          // m, the deepest
+  double joint_gap = 0;        // m, the largest
+  std::vector<double> values;  // those of CompareOptions::measure, after the tick that reaches the time
 };
 
 struct CompareRow {
@@ -144,6 +146,8 @@ struct CompareOptions {
   unsigned thread_count = 1;  // number of runs at the same time
   bool wall_clock =
       false;  // for ms_per_s: the CPU time of threads that share a tick is larger than the time that passes
+  /// Measures more values at every sample; may be empty. Several threads call it at once.
+  std::function<std::vector<double>(const engine::Engine&)> measure;
   std::function<void(std::uint64_t done, std::uint64_t total)> progress;  // counts runs; called by one thread at a time
 };
 inline constexpr double beyond_factor = 4;  // a distance above this multiple of the twins' spread counts as drift

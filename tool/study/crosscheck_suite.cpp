@@ -328,6 +328,8 @@ Scene lever_of(double right_density) {
   if (right_density != 1) {
     built.pin(1, 2, {0, 0.6}, {0, 0});           // the plank turns about its centre,
     built.add_static({2.5, 0.35}, box(1, 0.7));  // and this box stops the plank
+    // With friction there, statics would leave open what the stop bears.
+    built.scene.bodies.back().shapes[0].material.friction = 0;
   }
   return built.scene;
 }

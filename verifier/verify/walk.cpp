@@ -104,21 +104,22 @@ class SegmentWalk {
   bool check_loaded() {
     if (!segment_.start.loaded) return true;
     if (segment_.counts_load) ++result_.checkpoints_compared;
-    return check_image(segment_.start.root_hash, segment_.start.image, stage_load,
-                       loads_saves(context_) ? "the state behind load of the save is not the checkpoint's"
-                                             : "the state after loading the checkpoint is not the checkpoint's");
+    return compare_image(segment_.start.root_hash, segment_.start.image, stage_load,
+                         loads_saves(context_) ? "the state behind load of the save is not the checkpoint's"
+                                               : "the state after loading the checkpoint is not the checkpoint's");
   }
 
   bool check_checkpoint(const CheckpointRecord& checkpoint) {
     const bool at_start = result_.tick == 0;
     ++result_.checkpoints_compared;
-    return check_image(checkpoint.root_hash, checkpoint.image, at_start ? stage_setup : std::string_view("checkpoint"),
-                       at_start ? "the state made from the setup is not the recorded one"
-                                : "the hash of the tick before agrees, the checkpoint does not");
+    return compare_image(checkpoint.root_hash, checkpoint.image,
+                         at_start ? stage_setup : std::string_view("checkpoint"),
+                         at_start ? "the state made from the setup is not the recorded one"
+                                  : "the hash of the tick before agrees, the checkpoint does not");
   }
 
   /// Compares the present state with a checkpoint. False: they differ, and the finding is set.
-  bool check_image(std::uint64_t expected_root, ByteView expected, std::string_view stage, const char* note) {
+  bool compare_image(std::uint64_t expected_root, ByteView expected, std::string_view stage, const char* note) {
     const std::uint64_t got_root = root_hash(simulation_->state());
     encode_image(simulation_->state(), image_);
     if (got_root == expected_root && std::equal(expected.begin(), expected.end(), image_.begin(), image_.end()))

@@ -16,6 +16,7 @@
 #include "base/parallel/workers.h"
 #include "tool/cli/commands.h"
 #include "tool/cli/study/study_output.h"
+#include "tool/expression/csv_columns.h"
 #include "tool/output/json_output.h"
 #include "tool/output/progress.h"
 #include "tool/session/host_frames.h"
@@ -39,6 +40,7 @@ struct CompareCommand {
   std::uint64_t twin_count = 3;
   std::vector<std::string> hosts{"jitter_60"};
   std::vector<std::string> varied;
+  std::vector<std::string> columns;
   std::uint64_t host_seed = 1;
   bool explains = false;
   std::uint64_t job_count = 0;  // 0: as many as there are cores, or one where threads of a tick are compared
@@ -149,7 +151,27 @@ std::string hashes_text(const CompareReport& report) {
   return "\n" + table.text();
 }
 
-std::string report_text(const CompareReport& report, const CompareSession& session, const std::string& command_line) {
+/// The values of --columns at the end; empty without any.
+std::string columns_text(const CompareReport& report, const std::vector<std::string>& columns) {
+  if (columns.empty()) return "";
+  std::vector<std::string> heads{"at the end"};
+  heads.insert(heads.end(), columns.begin(), columns.end());
+  TextTable table(heads);
+  const auto add = [&](const CompareRow& row) {
+    if (row.samples.empty()) return;
+    std::vector<std::string> cells{name_text(row)};
+    for (const double value : row.samples.back().values)
+      cells.push_back(std::isfinite(value) ? fmt::format("{:.6g}", value) : "-");
+    table.add(cells);
+  };
+  add(report.base);
+  for (const CompareRow& row : report.twins) add(row);
+  for (const CompareRow& row : report.rows) add(row);
+  return "\n" + table.text();
+}
+
+std::string report_text(const CompareReport& report, const CompareSession& session,
+                        const std::vector<std::string>& columns, const std::string& command_line) {
   std::string text =
       fmt::format("compare  {}  {:g} s, {} bodies\n", session.scene.name, session.seconds, session.scene.bodies.size());
   text += verifier::wrapped(command_line, 2);
@@ -161,14 +183,20 @@ std::string report_text(const CompareReport& report, const CompareSession& sessi
   for (const CompareRow& row : report.twins) add_outcome(outcome, row);
   for (const CompareRow& row : report.rows) add_drift(drift, row);
   for (const CompareRow& row : report.rows) add_outcome(outcome, row);
-  text += "\n" + drift.text() + "\n" + outcome.text() + hashes_text(report);
+  text += "\n" + drift.text() + "\n" + outcome.text() + columns_text(report, columns) + hashes_text(report);
   for (const CompareRow& row : report.rows)
     if (!row.reason.empty())
       text += verifier::wrapped(fmt::format("{}: {}: {}", row.variant.name, brief_verdict(row), row.reason), 4);
   return text;
 }
 
-Json row_json(const CompareRow& row, bool is_twin) {
+Json columns_json(const std::vector<std::string>& columns, const std::vector<double>& values) {
+  Json object = Json::object();
+  for (std::size_t i = 0; i < columns.size() && i < values.size(); ++i) object[columns[i]] = number_json(values[i]);
+  return object;
+}
+
+Json row_json(const CompareRow& row, bool is_twin, const std::vector<std::string>& columns) {
   Json entry;
   entry["variant"] = row.variant.name;
   entry["twin"] = is_twin;
@@ -194,6 +222,7 @@ Json row_json(const CompareRow& row, bool is_twin) {
   entry["resting"] = row.resting_count;
   entry["elsewhere"] = row.elsewhere_count;
   entry["ms_per_s"] = row.ms_per_s;
+  entry["columns"] = columns_json(columns, row.samples.empty() ? std::vector<double>{} : row.samples.back().values);
   entry["samples"] = Json::array();
   for (const auto& sample : row.samples)
     entry["samples"].push_back({{"time_s", sample.time_s},
@@ -204,11 +233,13 @@ Json row_json(const CompareRow& row, bool is_twin) {
                                 {"energy_j", number_json(sample.energy)},
                                 {"momentum", number_json(sample.momentum)},
                                 {"overlap_m", number_json(sample.overlap)},
-                                {"joint_gap_m", number_json(sample.joint_gap)}});
+                                {"joint_gap_m", number_json(sample.joint_gap)},
+                                {"columns", columns_json(columns, sample.values)}});
   return entry;
 }
 
-Json report_json(const CompareReport& report, const CompareSession& session, const std::string& command_line) {
+Json report_json(const CompareReport& report, const CompareSession& session, const std::vector<std::string>& columns,
+                 const std::string& command_line) {
   Json object;
   object["schema"] = "ticktrue.compare/1";
   object["command"] = command_line;
@@ -221,15 +252,16 @@ Json report_json(const CompareReport& report, const CompareSession& session, con
   for (const CompareRow& row : report.rows)
     counts[std::string(verdict_name(row.verdict))] = counts[std::string(verdict_name(row.verdict))].get<int>() + 1;
   object["verdicts"] = std::move(counts);
-  object["base"] = row_json(report.base, false);
+  object["base"] = row_json(report.base, false, columns);
   object["rows"] = Json::array();
-  for (const CompareRow& row : report.twins) object["rows"].push_back(row_json(row, true));
-  for (const CompareRow& row : report.rows) object["rows"].push_back(row_json(row, false));
+  for (const CompareRow& row : report.twins) object["rows"].push_back(row_json(row, true, columns));
+  for (const CompareRow& row : report.rows) object["rows"].push_back(row_json(row, false, columns));
   return object;
 }
 
-/// With a column for each varied key, empty for the base and its twins.
-std::string csv_of(const CompareReport& report, const std::vector<verifier::VariedKey>& varied) {
+/// With a column for each varied key, empty for the base and its twins, and for each value of --columns.
+std::string csv_of(const CompareReport& report, const std::vector<verifier::VariedKey>& varied,
+                   const std::vector<std::string>& columns) {
   std::string text;
   const auto add_line = [&](const std::string& name, const std::vector<std::string>& values,
                             const std::vector<std::string>& cells) {
@@ -241,16 +273,25 @@ std::string csv_of(const CompareReport& report, const std::vector<verifier::Vari
   };
   std::vector<std::string> keys;
   for (const verifier::VariedKey& key : varied) keys.push_back(key.key);
-  add_line("variant", keys,
-           {"verdict", "time_s", "position_max_m", "position_rms_m", "angle_max_rad", "twins_rms_m", "energy_j",
-            "momentum", "overlap_m", "joint_gap_m"});
+  std::vector<std::string> heads{"verdict",     "time_s",   "position_max_m", "position_rms_m", "angle_max_rad",
+                                 "twins_rms_m", "energy_j", "momentum",       "overlap_m",      "joint_gap_m"};
+  heads.insert(heads.end(), columns.begin(), columns.end());
+  add_line("variant", keys, heads);
   const auto add = [&](const CompareRow& row) {
-    for (const auto& sample : row.samples)
-      add_line(row.variant.name, row.variant.varied_values,
-               {std::string(verdict_name(row.verdict)), full_number(sample.time_s), full_number(sample.position_max),
-                full_number(sample.position_rms), full_number(sample.angle_max), full_number(sample.twin_rms),
-                full_number(sample.energy), full_number(sample.momentum), full_number(sample.overlap),
-                full_number(sample.joint_gap)});
+    for (const auto& sample : row.samples) {
+      std::vector<std::string> cells{std::string(verdict_name(row.verdict)),
+                                     full_number(sample.time_s),
+                                     full_number(sample.position_max),
+                                     full_number(sample.position_rms),
+                                     full_number(sample.angle_max),
+                                     full_number(sample.twin_rms),
+                                     full_number(sample.energy),
+                                     full_number(sample.momentum),
+                                     full_number(sample.overlap),
+                                     full_number(sample.joint_gap)};
+      for (const double value : sample.values) cells.push_back(std::isfinite(value) ? full_number(value) : "");
+      add_line(row.variant.name, row.variant.varied_values, cells);
+    }
   };
   add(report.base);
   for (const CompareRow& row : report.twins) add(row);
@@ -341,6 +382,7 @@ std::string command_line_of(const CompareCommand& command, const CompareSession&
   add("--broad-phase", command.broad_phases);
   add("--threads", command.threads);
   for (const std::string& varied : command.varied) line += " --vary '" + varied + "'";
+  add("--columns", command.columns);
   if (session.dts.empty()) line += " --seconds " + full_number(session.seconds);
   line += " --twins " + std::to_string(command.twin_count);
   if (command.clocks.empty()) return line;
@@ -418,6 +460,13 @@ int run_compare(const CompareCommand& command) {
   options.twin_count = static_cast<int>(command.twin_count);
   options.host_seed = command.host_seed;
   options.wall_clock = !command.threads.empty();
+  verifier::CsvColumns columns;
+  if (!command.columns.empty()) {
+    auto made = verifier::CsvColumns::make(command.columns, session.scene, "--columns");
+    if (!made) return fail_usage(made.error());
+    columns = *std::move(made);
+  }
+  options.measure = [&](const engine::Engine& engine) { return columns.values(engine); };
   const unsigned job_count = options.wall_clock ? 1 : core_count();
   options.thread_count = command.job_count > 0 ? static_cast<unsigned>(command.job_count) : job_count;
   Progress progress("compare " + session.scene.name, 1, "runs");
@@ -427,10 +476,11 @@ int run_compare(const CompareCommand& command) {
   if (!report) return fail_usage(report.error());
   const std::string command_line = command_line_of(command, session);
   if (command.files.json)
-    print_json(report_json(*report, session, command_line));
+    print_json(report_json(*report, session, columns.names(), command_line));
   else
-    print(report_text(*report, session, command_line) + (command.explains ? explanation() : ""));
-  if (const int code = write_study_files(command.files, csv_of(*report, *varied), plots_of(*report, session));
+    print(report_text(*report, session, columns.names(), command_line) + (command.explains ? explanation() : ""));
+  if (const int code =
+          write_study_files(command.files, csv_of(*report, *varied, columns.names()), plots_of(*report, session));
       code != exit_ok)
     return code;
   return report->base.verdict == CompareVerdict::not_finite ||
@@ -474,6 +524,13 @@ void add_compare(CLI::App& app, CliContext& context) {
                    "A key of the scene and its values: bodies.3.shapes.0.friction=0.1:0.9:9, settings.substeps=1,4")
       ->type_name("KEY=VALUES")
       ->allow_extra_args(false);
+  command
+      ->add_option("--columns", options->columns,
+                   "Values to show at the end of each run, and to write with --csv: energy, bodies.3.x, "
+                   "joints.2.force, ...; a wrong name lists them all")
+      ->type_name("NAMES")
+      ->delimiter(',')
+      ->allow_extra_args(false);
   command->add_option("--threads", options->threads, "Threads of a tick, 1..64")
       ->delimiter(',')
       ->allow_extra_args(false);
@@ -493,12 +550,13 @@ void add_compare(CLI::App& app, CliContext& context) {
              {1, 1024});
   command->add_flag("--explain", options->explains, "Below the tables: what each word in them means");
   add_study_files(*command, options->files);
-  set_examples(*command,
-               "ticktrue compare 'stack?boxes=10' --solver tgs_soft,pgs --substeps 4,16 --explain\n"
-               "ticktrue compare pendulum --integrator velocity_verlet,rk4 --precision f32,f64 --plot drift.svg\n"
-               "ticktrue compare slide --vary bodies.1.shapes.0.friction=0.1:0.9:9 --csv slide.csv\n"
-               "ticktrue record 'stack?boxes=3' --ticks 60 -o stack.ttr\n"
-               "ticktrue compare stack.ttr --broad-phase aabb_tree,uniform_grid --threads 1,2");
+  set_examples(
+      *command,
+      "ticktrue compare 'stack?boxes=10' --solver tgs_soft,pgs --substeps 4,16 --explain\n"
+      "ticktrue compare pendulum --integrator velocity_verlet,rk4 --precision f32,f64 --plot drift.svg\n"
+      "ticktrue compare slide --vary bodies.1.shapes.0.friction=0.1:0.9:9 --columns bodies.1.x --csv slide.csv\n"
+      "ticktrue record 'stack?boxes=3' --ticks 60 -o stack.ttr\n"
+      "ticktrue compare stack.ttr --broad-phase aabb_tree,uniform_grid --threads 1,2");
   command->callback([options, &context] { context.exit_code = run_compare(*options); });
 }
 

@@ -239,6 +239,39 @@ Json run_time_json(const std::vector<RunTimeRow>& rows, const std::string& comma
   return object;
 }
 
+std::string run_time_csv(const std::vector<RunTimeRow>& rows) {
+  std::string text = verifier::csv_line(
+      {"scene", "precision", "ticks", "automatic_s", "fixed_s", "default_s", "automatic_later_s", "default_later_s",
+       "ratio", "worst_ratio", "substeps_most", "ticks_at_most", "cut_ticks", "limited_ticks", "overlap", "gap_m"});
+  for (const RunTimeRow& row : rows)
+    text +=
+        verifier::csv_line({row.scene, std::string(precision_name(row.precision)), std::to_string(row.tick_count),
+                            full_number(row.automatic_s), full_number(row.fixed_s), full_number(row.default_s),
+                            full_number(row.automatic_later_s), full_number(row.default_later_s),
+                            full_number(row.ratio()), full_number(row.worst_ratio), std::to_string(row.substeps_most),
+                            std::to_string(row.ticks_at_most), std::to_string(row.cut_ticks),
+                            std::to_string(row.limited_ticks), full_number(row.overlap), full_number(row.gap)});
+  return text;
+}
+
+// A point for each scene: automatic substeps over 64 fixed ones, a curve for each precision.
+std::vector<verifier::Plot> run_time_plots(const std::vector<RunTimeRow>& rows) {
+  verifier::Plot plot{"run time of automatic substeps", "", "over 64 fixed substeps", false, true, {}};
+  plot.joined = false;
+  for (const auto& info : engine::precisions) {
+    verifier::PlotCurve curve{std::string(info.name), {}, {}, false};
+    for (const RunTimeRow& row : rows) {
+      auto tick = std::find(plot.ticks.begin(), plot.ticks.end(), row.scene);
+      if (tick == plot.ticks.end()) tick = plot.ticks.insert(tick, row.scene);
+      if (row.precision != info.kind) continue;
+      curve.x.push_back(static_cast<double>(tick - plot.ticks.begin()) + 1);
+      curve.y.push_back(row.ratio());
+    }
+    if (!curve.x.empty()) plot.curves.push_back(std::move(curve));
+  }
+  return {plot};
+}
+
 std::string csv_of(const std::vector<StressRow>& rows) {
   std::string text = verifier::csv_line(
       {"case", "method", "precision", "verdict", "value", "lower", "upper", "unit", "reason", "best_known", "source"});
@@ -313,7 +346,7 @@ int run_run_times(const StressCommand& command) {
     print_json(run_time_json(*rows, command_line));
   else
     print("stress  " + command_line + "\n" + run_time_text(*rows));
-  return exit_ok;
+  return write_study_files(command.files, run_time_csv(*rows), run_time_plots(*rows));
 }
 
 int run_stress_command(const StressCommand& command) {

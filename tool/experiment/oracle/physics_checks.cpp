@@ -176,6 +176,9 @@ PhysicsCounts count_physics(const RunContext& context, const BaseRun& base) {
   counts.cause = cause_of(scene, base);
   counts.broken[3] = base.ran_away;
   counts.broken[4] = base.joints_failed;
+  const std::string end = " at tick " + std::to_string(base.tick_count);
+  if (base.ran_away) counts.texts.push_back("a body runs away" + end);
+  if (base.joints_failed) counts.texts.push_back("a value is not finite" + end);
   counts.is_judged = promises_accuracy(scene.settings);
   const auto made = context.make(scene, {});
   if (!made) return counts;
@@ -194,7 +197,10 @@ PhysicsCounts count_physics(const RunContext& context, const BaseRun& base) {
     const double energy = energy_of(scene, bodies);
     kinetic = std::max(kinetic, kinetic_energy(bodies));
     lowest = std::min(lowest, energy);
-    if (is_closed && energy > lowest + energy_rise_max * kinetic) counts.broken[0] = true;
+    if (counts.broken[0] || !is_closed || !(energy > lowest + energy_rise_max * kinetic)) continue;
+    counts.broken[0] = true;
+    counts.texts.push_back("energy rises by " + short_number(energy - lowest) + " J until tick " +
+                           std::to_string(tick) + ": expected at most " + short_number(energy_rise_max * kinetic));
   }
   if (!law) return counts;
   counts.broken[1] = law->gap().has_value();

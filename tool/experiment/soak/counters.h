@@ -50,7 +50,7 @@ struct SoakCounters {
   std::map<std::pair<std::string, std::string>, std::uint64_t> known;  // (cause, check): worlds
   std::uint64_t judged_count = 0;          // worlds that the rules of gaps and overlaps judged
   std::uint64_t unjudged_count = 0;        // worlds of a solver or integrator that is a baseline
-  std::vector<std::string> physics_texts;  // of worlds that break a rule: "world 7: ..."
+  std::vector<std::string> physics_texts;  // of worlds that break a rule: "world 7, tgs_soft rk4 with joints: ..."
   std::uint64_t ran_away_count = 0;        // worlds whose base run ended with BaseRun::ran_away
   std::uint64_t joints_failed_count = 0;   // the same with BaseRun::joints_failed
   std::vector<FailedWorld> failures;

@@ -154,7 +154,7 @@ class Soak {
         if (physics.broken[i]) ++counts.known[{physics.cause, std::string(physics_checks[i])}];
       ++(physics.is_judged ? counts.judged_count : counts.unjudged_count);
       for (const std::string& text : physics.texts)
-        counts.physics_texts.push_back("world " + std::to_string(index) + ": " + text);
+        counts.physics_texts.push_back("world " + std::to_string(index) + ", " + physics.cause + ": " + text);
     }
     for (const Finding& finding : result.findings) {
       world.soak_case.tick_count = std::max(result.base.tick_count, finding.tick + 1);
