@@ -222,7 +222,6 @@ Json row_json(const CompareRow& row, bool is_twin, const std::vector<std::string
   entry["resting"] = row.resting_count;
   entry["elsewhere"] = row.elsewhere_count;
   entry["ms_per_s"] = row.ms_per_s;
-  entry["columns"] = columns_json(columns, row.samples.empty() ? std::vector<double>{} : row.samples.back().values);
   entry["samples"] = Json::array();
   for (const auto& sample : row.samples)
     entry["samples"].push_back({{"time_s", sample.time_s},
@@ -233,8 +232,11 @@ Json row_json(const CompareRow& row, bool is_twin, const std::vector<std::string
                                 {"energy_j", number_json(sample.energy)},
                                 {"momentum", number_json(sample.momentum)},
                                 {"overlap_m", number_json(sample.overlap)},
-                                {"joint_gap_m", number_json(sample.joint_gap)},
-                                {"columns", columns_json(columns, sample.values)}});
+                                {"joint_gap_m", number_json(sample.joint_gap)}});
+  if (columns.empty() || row.samples.empty()) return entry;
+  for (std::size_t i = 0; i < row.samples.size(); ++i)
+    entry["samples"][i]["columns"] = columns_json(columns, row.samples[i].values);
+  entry["columns"] = columns_json(columns, row.samples.back().values);
   return entry;
 }
 
