@@ -37,6 +37,17 @@ class MovesNothing : public ForwardingEngine {
   std::uint64_t tick_ = 0;
 };
 
+/// Says that bodies move faster from tick to tick.
+class SaysFaster : public ForwardingEngine {
+ public:
+  using ForwardingEngine::ForwardingEngine;
+  std::vector<engine::BodyReport> bodies() const override {
+    std::vector<engine::BodyReport> reports = inner().bodies();
+    for (engine::BodyReport& report : reports) report.velocity.x = static_cast<double>(tick());
+    return reports;
+  }
+};
+
 /// Says that every contact overlaps by so much, and pushes with so much force.
 class SaysOverlap : public ForwardingEngine {
  public:
@@ -129,6 +140,30 @@ TEST_CASE("worlds of a baseline are not judged, and no rule of theirs breaks", "
     CHECK(counts.broken[2] != is_baseline);
     CHECK(counts.texts.size() == (is_baseline ? 0 : 1));
   }
+}
+
+TEST_CASE("every rule of physics that a world breaks is told with its tick", "[verifier][soak][law][analytic]") {
+  const EngineMaker make = [](const Scene& scene,
+                              const engine::EngineOptions& options) -> Result<std::unique_ptr<Engine>> {
+    auto made = engine::make_engine(scene, options);
+    if (made) *made = std::make_unique<SaysFaster>(*std::move(made));
+    return made;
+  };
+  const SoakCase moving{two_discs(3), {}, 600};
+  const CaseInputs inputs(moving);
+  BaseRun base;
+  base.tick_count = 16;
+  base.ran_away = base.joints_failed = true;
+  const PhysicsCounts counts = count_physics({moving, inputs, make}, base);
+  CHECK(counts.broken[0]);
+  CHECK(counts.broken[3]);
+  CHECK(counts.broken[4]);
+  REQUIRE(counts.texts.size() == 3);
+  CHECK(counts.texts[0] == "a body runs away at tick 16");
+  CHECK(counts.texts[1] == "a value is not finite at tick 16");
+  // Energy is looked at after 8 and 16 ticks.
+  CHECK_THAT(counts.texts[2],
+             Catch::StartsWith("energy rises by ") && Catch::Contains(" J until tick 15: expected at most "));
 }
 
 TEST_CASE("an overlap from the start may last as long as the push-out takes", "[verifier][soak][law][analytic]") {
