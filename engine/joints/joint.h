@@ -50,6 +50,7 @@ struct JointWork {
   Real motor_impulse_max;       // N s or N m s
   Real impulse_max;             // N s
   Real angular_impulse_max;     // N m s
+  Real turning = 0;             // turning_of, 1/(N s); 0: impulses are not bounded
   JointImpulses impulses;
   Vec2 start_velocity;  // of the point row before the substep, m/s; set for springs
   Real start_speed;     // of the spring row before the substep

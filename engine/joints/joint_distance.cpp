@@ -41,6 +41,8 @@ void describe_distance(JointModel& model, const Joint& joint, const JointCenters
 }
 
 void prepare_distance(JointWork& joint, Real h) {
+  if (!joint.model->rigid)
+    joint.turning = turning_of(joint.inv_inertia_a, joint.inv_inertia_b, joint.anchor_a, joint.anchor_b, h);
   const MovingBody at_start{{0, 0}, 0, {0, 0}, {1, 0}};
   joint.spring = spring_step(joint.model->spring, span_of(joint, {at_start, at_start}).row.mobility, h);
 }
@@ -49,7 +51,8 @@ void save_distance(JointWork& joint, const JointBodies& pair) {
   joint.start_speed = span_of(joint, pair).row.speed(pair);
 }
 
-void warm_start_distance(const JointWork& joint, JointBodies& pair) {
+void warm_start_distance(JointWork& joint, JointBodies& pair) {
+  bound_impulses(joint, impulse_along(joint.impulses));
   const Span span = span_of(joint, pair);
   warm_start_row(joint, span.row, pair);
   span.row.apply(joint, pair, joint.impulses.linear.x);

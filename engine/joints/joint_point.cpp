@@ -24,29 +24,35 @@ void prepare_spring_of_angle(JointWork& joint, Real h) {
   joint.spring = spring_step(joint.model->spring, constrained_angle_row(joint, point).mobility, h);
 }
 
+void prepare_revolute(JointWork& joint, Real h) {
+  if (joint.model->is_driven_revolute)
+    joint.turning = turning_of(joint.inv_inertia_a, joint.inv_inertia_b, joint.anchor_a, joint.anchor_b, h);
+  prepare_spring_of_angle(joint, h);
+}
+
 void save_revolute(JointWork& joint, const JointBodies& pair) {
   joint.start_speed = angle_row(joint).speed(pair);
 }
 
-void warm_start_revolute(const JointWork& joint, JointBodies& pair) {
+void warm_start_revolute(JointWork& joint, JointBodies& pair) {
+  bound_impulses(joint, 0);
   warm_start_row(joint, angle_row(joint), pair);
   point_row(joint, pair, ActsAt::middle).apply(joint, pair, joint.impulses.linear);
 }
 
+/// The rows of the angle come last: their impulses leave the point as it is, and not the other way round.
 void solve_revolute(JointWork& joint, JointBodies& pair, Real h, Bias bias) {
   const JointModel& model = *joint.model;
   const PointRow point = point_row(joint, pair, ActsAt::middle);
-  if (model.spring.exists || model.has_limits || model.has_motor) {
-    const ConstrainedAngleRow row = constrained_angle_row(joint, point);
-    const Real angle = model.spring.exists || model.has_limits ? relative_angle(joint, pair) : 0;
-    if (model.spring.exists && bias == Bias::on)
-      solve_spring(joint, row, pair, joint.spring, angle, joint.start_speed, no_impulse_limit, joint.impulses.spring);
-    if (model.has_motor)
-      solve_motor(joint, row, pair, joint.motor_speed, joint.motor_impulse_max, joint.impulses.motor);
-    if (model.has_limits) solve_limits(joint, row, pair, angle, h, bias);
-  }
   const Vec2 arm_rate = bias == Bias::on ? arm_rotation_rate(point.arm_a, point.arm_b, pair, h) : Vec2{0, 0};
   solve_rigid_point(joint, point, pair, softness(joint, bias), arm_rate);
+  if (!model.is_driven_revolute) return;
+  const ConstrainedAngleRow row = constrained_angle_row(joint, point);
+  const Real angle = model.spring.exists || model.has_limits ? relative_angle(joint, pair) : 0;
+  if (model.spring.exists && bias == Bias::on)
+    solve_spring(joint, row, pair, joint.spring, angle, joint.start_speed, no_impulse_limit, joint.impulses.spring);
+  if (model.has_motor) solve_motor(joint, row, pair, joint.motor_speed, joint.motor_impulse_max, joint.impulses.motor);
+  if (model.has_limits) solve_limits(joint, row, pair, angle, h, bias);
 }
 
 // ---- Weld ----
@@ -111,6 +117,7 @@ void solve_weld(JointWork& joint, JointBodies& pair, Real, Bias bias) {
     solve_rigid_weld(joint, point, pair, soft);
     return;
   }
+  if (model.rigid) solve_rigid_point(joint, point, pair, soft);
   if (!model.rigid_angle && bias == Bias::on) {
     const Real error = relative_angle(joint, pair);
     if (model.rigid)
@@ -123,12 +130,11 @@ void solve_weld(JointWork& joint, JointBodies& pair, Real, Bias bias) {
   if (!model.rigid && bias == Bias::on) solve_point_spring(joint, point, pair, no_impulse_limit);
   if (model.rigid_angle && angle.mobility > 0)
     solve_rigid(joint, angle, pair, relative_angle(joint, pair), soft, joint.impulses.angular);
-  if (model.rigid) solve_rigid_point(joint, point, pair, soft);
 }
 
 }  // namespace
 
-constexpr JointFunctions revolute_joint{describe_revolute, prepare_spring_of_angle, save_each<save_revolute>,
+constexpr JointFunctions revolute_joint{describe_revolute, prepare_revolute, save_each<save_revolute>,
                                         warm_start_each<warm_start_revolute>, solve_each<solve_revolute>};
 constexpr JointFunctions weld_joint{describe_weld, prepare_weld, save_each<save_weld>, warm_start_each<warm_start_weld>,
                                     solve_each<solve_weld>};

@@ -169,6 +169,33 @@ void solve_spring(JointWork& joint, const Row& row, JointBodies& pair, const Spr
   impulse = total;
 }
 
+/// Impulses p of joints with limits, a motor or a spring are bounded to h p r / I = 1 before they act again at an arm
+/// r, I the inertia. The arm may have turned by x since, so they act with an error of p r x, which turns the body by up
+/// to x. Forces that last hardly get there, since raise_inertias raises I; this bounds what arises within a tick, as
+/// the impulse of a limit. Returns the inverse of the greatest impulse, 1/(N s).
+inline Real turning_of(Real inv_inertia_a, Real inv_inertia_b, Vec2 arm_a, Vec2 arm_b, Real h) {
+  return h * larger(inv_inertia_a * length(arm_a), inv_inertia_b * length(arm_b));
+}
+
+/// The share of impulses that is left. `p2`: square of their sum, (N s)^2.
+inline Real share_within(Real turning, Real p2) {
+  return turning * turning * p2 > 1 ? 1 / (turning * square_root(p2)) : Real(1);
+}
+
+/// Sum of the impulses along the axis of a prismatic or distance joint, N s.
+inline Real impulse_along(const JointImpulses& impulses) {
+  return (impulses.spring + impulses.motor) + (impulses.lower - impulses.upper);
+}
+
+/// Bounds the impulses before they act again. `along`: sum of the impulses along an axis, N s.
+inline void bound_impulses(JointWork& joint, Real along) {
+  JointImpulses& impulses = joint.impulses;
+  const Real share = share_within(joint.turning, length_squared(impulses.linear) + along * along);
+  if (share == 1) return;
+  impulses = {share * impulses.linear, share * impulses.angular, share * impulses.spring,
+              share * impulses.lower,  share * impulses.upper,   share * impulses.motor};
+}
+
 /// Applies the accumulated impulses of one row.
 template <typename Row>
 void warm_start_row(const JointWork& joint, const Row& row, JointBodies& pair) {

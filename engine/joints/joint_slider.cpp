@@ -34,38 +34,40 @@ void describe_prismatic(JointModel& model, const Joint& joint, const JointCenter
   model.holds_angle = true;
 }
 
+/// Impulses act at B's anchor.
+Real turning_at_anchor_b(const JointWork& joint, Real h) {
+  return turning_of(joint.inv_inertia_a, joint.inv_inertia_b, joint.center_offset + joint.anchor_b, joint.anchor_b, h);
+}
+
+/// The motor of a wheel turns.
+Real wheel_impulse_along(const JointImpulses& impulses) {
+  return impulses.spring + (impulses.lower - impulses.upper);
+}
+
 void prepare_prismatic(JointWork& joint, Real h) {
   if (!moves_something(joint)) return;
+  joint.turning = turning_at_anchor_b(joint, h);
   const Slide slide = slide_at_start(joint);
   joint.spring = spring_step(joint.model->spring, constrained_line_row(joint, slide).mobility, h);
 }
 
-void warm_start_prismatic(const JointWork& joint, JointBodies& pair) {
+void warm_start_prismatic(JointWork& joint, JointBodies& pair) {
+  bound_impulses(joint, impulse_along(joint.impulses));
   const Slide slide = slide_of(joint, pair);
   warm_start_row(joint, slide.along, pair);
   slide.across.apply(joint, pair, joint.impulses.linear.x);
   angle_row(joint).apply(joint, pair, joint.impulses.angular);
 }
 
-void solve_prismatic(JointWork& joint, JointBodies& pair, Real h, Bias bias) {
-  if (!moves_something(joint)) return;
-  const JointModel& model = *joint.model;
-  const Slide slide = slide_of(joint, pair);
-  if (model.spring.exists || model.has_motor || model.has_limits) {
-    const ConstrainedLineRow along = constrained_line_row(joint, slide);
-    solve_spring_along(joint, along, pair, slide.translation, bias);
-    if (model.has_motor)
-      solve_motor(joint, along, pair, joint.motor_speed, joint.motor_impulse_max, joint.impulses.motor);
-    if (model.has_limits) solve_limits(joint, along, pair, slide.translation, h, bias);
-  }
-
+/// The rows across the axis and about the angle.
+void solve_line(JointWork& joint, const Slide& slide, JointBodies& pair, Bias bias) {
   const Softness soft = softness(joint, bias);
   const AngleRow angle = angle_row(joint);
   if (angle.mobility <= 0) {
     solve_rigid(joint, slide.across, pair, slide.deviation, soft, joint.impulses.linear.x);
     return;
   }
-  // 2 x 2: across the axis and about the angle, by Cramer's rule.
+  // 2 x 2, by Cramer's rule.
   const Real k12 = slide_coupling(joint, slide.across);
   const Real rate = slide.across.speed(pair) + soft.bias_rate * slide.deviation;
   const Real spin = angle.speed(pair) + soft.bias_rate * relative_angle(joint, pair);
@@ -80,15 +82,32 @@ void solve_prismatic(JointWork& joint, JointBodies& pair, Real h, Bias bias) {
   angle.apply(joint, pair, about_angle);
 }
 
+/// The rows along the axis come last: their impulses leave the other two rows as they are, and not the other way round.
+/// After a warm start with long arms, the other two rows may be far off.
+void solve_prismatic(JointWork& joint, JointBodies& pair, Real h, Bias bias) {
+  if (!moves_something(joint)) return;
+  const JointModel& model = *joint.model;
+  const Slide slide = slide_of(joint, pair);
+  solve_line(joint, slide, pair, bias);
+  if (!model.spring.exists && !model.has_motor && !model.has_limits) return;
+  const ConstrainedLineRow along = constrained_line_row(joint, slide);
+  solve_spring_along(joint, along, pair, slide.translation, bias);
+  if (model.has_motor)
+    solve_motor(joint, along, pair, joint.motor_speed, joint.motor_impulse_max, joint.impulses.motor);
+  if (model.has_limits) solve_limits(joint, along, pair, slide.translation, h, bias);
+}
+
 // ---- Wheel ----
 
 void prepare_wheel(JointWork& joint, Real h) {
+  joint.turning = turning_at_anchor_b(joint, h);
   joint.spring = spring_step(joint.model->spring, slide_at_start(joint).along.mobility, h);
 }
 
-void warm_start_wheel(const JointWork& joint, JointBodies& pair) {
+void warm_start_wheel(JointWork& joint, JointBodies& pair) {
+  bound_impulses(joint, wheel_impulse_along(joint.impulses));
   const Slide slide = slide_of(joint, pair);
-  slide.along.apply(joint, pair, joint.impulses.spring + (joint.impulses.lower - joint.impulses.upper));
+  slide.along.apply(joint, pair, wheel_impulse_along(joint.impulses));
   slide.across.apply(joint, pair, joint.impulses.linear.x);
   angle_row(joint).apply(joint, pair, joint.impulses.motor);
 }

@@ -3,10 +3,26 @@
 #include "engine/joints/batched/driven_revolute_batch.h"
 
 #include "engine/joints/joint_passes.h"
+#include "engine/joints/joint_rows.h"
 #include "engine/model/solved_set.h"
 
 namespace ticktrue::engine::TICKTRUE_PRECISION {
 namespace {
+
+void bound_impulses(DrivenRevoluteBatch& batch) {
+  for (int lane = 0; lane < batch.point.count; ++lane) {
+    Real& x = batch.point.impulse_x.at[lane];
+    Real& y = batch.point.impulse_y.at[lane];
+    const Real share = share_within(batch.turning.at[lane], x * x + y * y);
+    if (share == 1) continue;
+    x *= share;
+    y *= share;
+    batch.spring_impulse.at[lane] *= share;
+    batch.motor_impulse.at[lane] *= share;
+    batch.lower_impulse.at[lane] *= share;
+    batch.upper_impulse.at[lane] *= share;
+  }
+}
 
 void fill_lane(DrivenRevoluteBatch& batch, std::size_t lane, const JointWork& joint) {
   const JointModel& model = *joint.model;
@@ -14,6 +30,7 @@ void fill_lane(DrivenRevoluteBatch& batch, std::size_t lane, const JointWork& jo
                      {joint.inv_mass_b, joint.inv_inertia_b, joint.read_b, joint.write_b}, joint.anchor_a,
                      joint.anchor_b, joint.center_offset, joint.impulses.linear);
   if (model.spring.exists || model.has_limits) batch.needs_angle = 1;
+  batch.turning.at[lane] = joint.turning;
   batch.rotation_c.at[lane] = joint.relative_rotation.c;
   batch.rotation_s.at[lane] = joint.relative_rotation.s;
   batch.has_spring.at[lane] = model.spring.exists ? Real(1) : Real(0);
@@ -76,6 +93,10 @@ void save_driven_revolutes(const SolvedSet& solved, JointWorkspace& work, const 
 }
 
 void warm_start_driven_revolutes(const SolvedSet& solved, JointWorkspace& work, const JointRange& range) {
+  solved.parallel().for_chunks(range.last - range.first, chunk_size_of(work, range), [&](const Chunk& chunk) {
+    for (std::size_t i = range.first + chunk.begin; i < range.first + chunk.end; ++i)
+      bound_impulses(work.driven_revolutes.batches[i]);
+  });
   run_kernel(solved, work, range, Real(1), solved.kernels().driven_revolutes.warm_start);
 }
 

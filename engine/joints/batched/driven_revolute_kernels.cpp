@@ -152,15 +152,6 @@ void solve(const DrivenRevoluteWork& work) {
       joint.linear_x = lanes.load(batch.point.impulse_x);
       joint.linear_y = lanes.load(batch.point.impulse_y);
 
-      RealxN angle = zero;
-      if (batch.needs_angle != 0)
-        angle = relative_angle(pose_a.at[2], pose_a.at[3], pose_b.at[2], pose_b.at[3], lanes.load(batch.rotation_c),
-                               lanes.load(batch.rotation_s));
-      if (is_soft) solve_spring(lanes, batch, joint, angle);
-      solve_motor(lanes, batch, joint);
-      solve_limit(lanes, batch, joint, angle - lanes.load(batch.lower), 1, h, soft, batch.lower_impulse);
-      solve_limit(lanes, batch, joint, lanes.load(batch.upper) - angle, -1, h, soft, batch.upper_impulse);
-
       const RealxN wa = joint.pair.a.at[2];
       const RealxN wb = joint.pair.b.at[2];
       RealxN vx = (joint.pair.b.at[0] - wb * arms.by) - (joint.pair.a.at[0] - wa * arms.ay);
@@ -178,9 +169,21 @@ void solve(const DrivenRevoluteWork& work) {
       const RealxN wanted_y = inv_determinant * (k.k11 * vy - k.k12 * vx);
       const RealxN px = -(broadcast(soft.mass_scale) * wanted_x) - broadcast(soft.impulse_scale) * joint.linear_x;
       const RealxN py = -(broadcast(soft.mass_scale) * wanted_y) - broadcast(soft.impulse_scale) * joint.linear_y;
-      lanes.store(batch.point.impulse_x, joint.linear_x + px);
-      lanes.store(batch.point.impulse_y, joint.linear_y + py);
-      apply_impulse(lanes, joint.pair, arms, px, py, work.bodies);
+      joint.linear_x += px;
+      joint.linear_y += py;
+      apply_impulse(joint.pair, arms, px, py);
+
+      RealxN angle = zero;
+      if (batch.needs_angle != 0)
+        angle = relative_angle(pose_a.at[2], pose_a.at[3], pose_b.at[2], pose_b.at[3], lanes.load(batch.rotation_c),
+                               lanes.load(batch.rotation_s));
+      if (is_soft) solve_spring(lanes, batch, joint, angle);
+      solve_motor(lanes, batch, joint);
+      solve_limit(lanes, batch, joint, angle - lanes.load(batch.lower), 1, h, soft, batch.lower_impulse);
+      solve_limit(lanes, batch, joint, lanes.load(batch.upper) - angle, -1, h, soft, batch.upper_impulse);
+      lanes.store(batch.point.impulse_x, joint.linear_x);
+      lanes.store(batch.point.impulse_y, joint.linear_y);
+      store_pair(lanes, joint.pair, work.bodies);
     }
   }
 }
@@ -196,8 +199,8 @@ void warm_start(const DrivenRevoluteWork& work) {
                              (lanes.load(batch.lower_impulse) - lanes.load(batch.upper_impulse));
       pair.a.at[2] -= pair.inv_inertia_a * impulse;
       pair.b.at[2] += pair.inv_inertia_b * impulse;
-      apply_impulse(lanes, pair, arms, lanes.load(batch.point.impulse_x), lanes.load(batch.point.impulse_y),
-                    work.bodies);
+      apply_impulse(pair, arms, lanes.load(batch.point.impulse_x), lanes.load(batch.point.impulse_y));
+      store_pair(lanes, pair, work.bodies);
     }
   }
 }

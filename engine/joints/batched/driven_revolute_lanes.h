@@ -18,6 +18,7 @@ struct DrivenRevoluteBatch {
   // N m s, accumulated in this substep.
   Lanes spring_impulse, motor_impulse, lower_impulse, upper_impulse;
   Lanes start_speed;  // of the angle before the substep, rad/s
+  Lanes turning;      // JointWork::turning
 };
 
 /// Consecutive batches, for one call of a kernel.

@@ -81,7 +81,8 @@ void solve(const RevoluteWork& work) {
       }
       lanes.store(batch.impulse_x, old_x + px);
       lanes.store(batch.impulse_y, old_y + py);
-      apply_impulse(lanes, pair, arms, px, py, work.bodies);
+      apply_impulse(pair, arms, px, py);
+      store_pair(lanes, pair, work.bodies);
     }
   }
 }
@@ -98,8 +99,8 @@ void warm_start(const RevoluteWork& work) {
         constraint = compute_constraint(lanes, pair, work.bodies, work.arms[i]);
       else
         constraint = load_constraint(lanes, work.arms[i]);
-      apply_impulse(lanes, pair, constraint.arms, lanes.load(batch.impulse_x), lanes.load(batch.impulse_y),
-                    work.bodies);
+      apply_impulse(pair, constraint.arms, lanes.load(batch.impulse_x), lanes.load(batch.impulse_y));
+      store_pair(lanes, pair, work.bodies);
     }
   }
 }

@@ -59,15 +59,17 @@ TICKTRUE_INLINE PointMobility<RealxN> mobility_of(const Pair& pair, const Arms& 
   return point_mobility(arms, pair.inv_mass_a + pair.inv_mass_b, pair.inv_inertia_a, pair.inv_inertia_b);
 }
 
-/// Applies impulse (px, py) at the point, -on A, +on B, and writes the velocities back.
-TICKTRUE_INLINE void apply_impulse(const LaneRange& lanes, Pair& pair, const Arms& arms, RealxN px, RealxN py,
-                                   Real* bodies) {
+/// Applies impulse (px, py) at the point, -on A, +on B.
+TICKTRUE_INLINE void apply_impulse(Pair& pair, const Arms& arms, RealxN px, RealxN py) {
   pair.a.at[0] -= pair.inv_mass_a * px;
   pair.a.at[1] -= pair.inv_mass_a * py;
   pair.a.at[2] -= pair.inv_inertia_a * (arms.ax * py - arms.ay * px);
   pair.b.at[0] += pair.inv_mass_b * px;
   pair.b.at[1] += pair.inv_mass_b * py;
   pair.b.at[2] += pair.inv_inertia_b * (arms.bx * py - arms.by * px);
+}
+
+TICKTRUE_INLINE void store_pair(const LaneRange& lanes, const Pair& pair, Real* bodies) {
   scatter4<body_record_length>(bodies, lanes.batch.write_a + lanes.first, pair.a);
   scatter4<body_record_length>(bodies, lanes.batch.write_b + lanes.first, pair.b);
 }
