@@ -108,4 +108,16 @@ TEST_CASE("run times of stress go to a CSV file", "[cli][study]") {
   CHECK(value_in(rows, 1, "ratio") == Approx(value_in(rows, 1, "automatic_s") / value_in(rows, 1, "fixed_s")));
 }
 
+TEST_CASE("compare refuses tick and time as values, which are the same at each end", "[cli][study]") {
+  const TemporaryFolder folder;
+  const std::string messages = folder.file("messages");
+  for (const std::string name : {"tick", "time"}) {
+    CAPTURE(name);
+    const std::vector<std::string> words{"compare", "slide", "--substeps", "4,8",
+                                         "--ticks", "10",    "--columns",  "energy," + name};
+    CHECK(ToolRun(words, messages, {}).wait() == 2);
+    CHECK(text_of(messages).find("--columns: found " + name + ", expected a value of the world") != std::string::npos);
+  }
+}
+
 }  // namespace ticktrue::test

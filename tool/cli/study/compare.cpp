@@ -464,6 +464,12 @@ int run_compare(const CompareCommand& command) {
   options.wall_clock = !command.threads.empty();
   verifier::CsvColumns columns;
   if (!command.columns.empty()) {
+    for (const std::string& name : command.columns)
+      if (name == "tick" || name == "time")
+        return fail_usage(
+            {ErrorCode::usage,
+             "--columns: found " + name + ", expected a value of the world; each run ends at the same time",
+             {}});
     auto made = verifier::CsvColumns::make(command.columns, session.scene, "--columns");
     if (!made) return fail_usage(made.error());
     columns = *std::move(made);

@@ -282,6 +282,51 @@ void add_doors(std::vector<StressCase>& cases) {
   cases.push_back(std::move(out));
 }
 
+constexpr double geared_seconds = 2;
+constexpr double gear_ratio = 2;
+
+// Two heavy discs on hinges with a gear between them. A motor turns the first with 20 N m: it is too weak for its
+// speed.
+Scene geared_discs(Precision precision, double first_inertia, double second_inertia) {
+  Scene scene = worlds::empty(precision);
+  scene.gravity = {0, 0};
+  scene.bodies = {worlds::peg({0, 0}), worlds::weighted(worlds::disc(1), {0, 0}, 100, first_inertia),
+                  worlds::peg({3, 0}), worlds::weighted(worlds::disc(1), {3, 0}, 400, second_inertia)};
+  scene.joints = {worlds::joint(JointKind::revolute, 0, 1), worlds::joint(JointKind::revolute, 2, 3)};
+  scene.joints[0].motor = JointMotor{100, 20};
+  Joint gear;
+  gear.kind = JointKind::gear;
+  gear.joint_a = 0;
+  gear.joint_b = 1;
+  gear.ratio = gear_ratio;
+  scene.joints.push_back(gear);
+  return scene;
+}
+
+void add_geared(std::vector<StressCase>& cases) {
+  constexpr double first = 50, second = 200;  // kg m^2
+  constexpr double turned = 0.5 * 20 / (first + second / (gear_ratio * gear_ratio)) * geared_seconds * geared_seconds;
+  StressCase turns =
+      make_case("geared_turn", "two heavy discs and a gear, 20 N m on the first, 2 s: error of its angle", "rad", 0,
+                0.001, joint_methods());
+  turns.source = "own";
+  turns.run = [](const StressMethod& method, Precision precision) {
+    return run_case(with_method(geared_discs(precision, first, second), method), geared_seconds, {},
+                    [](const Engine&, const Bodies&, const Bodies& end) { return std::fabs(end[1].angle - turned); });
+  };
+  StressCase slip = make_case("geared_slip", "the same: how far the angle of the second is from its share", "rad", 0,
+                              4e-6, joint_methods());
+  slip.source = "own";
+  slip.run = [](const StressMethod& method, Precision precision) {
+    return run_case(with_method(geared_discs(precision, first, second), method), geared_seconds, {},
+                    [](const Engine&, const Bodies&, const Bodies& end) {
+                      return std::fabs(end[1].angle + gear_ratio * end[3].angle);
+                    });
+  };
+  cases.push_back(std::move(turns));
+  cases.push_back(std::move(slip));
+}
+
 void add_others(std::vector<StressCase>& cases) {
   StressCase beam = joint_case(
       "cantilever_10", "10 planks of 1 m and 1 kg welded into a beam from a wall, 10 s: how far its end hangs down",
@@ -360,6 +405,7 @@ void add_joint_cases(std::vector<StressCase>& cases) {
   add_springs(cases);
   add_chains(cases);
   add_doors(cases);
+  add_geared(cases);
   add_others(cases);
 }
 

@@ -1,6 +1,7 @@
 // Stress cases of loads other than weight: forces, motors, mouse joints, kinematic plates, each compared with an equal
 // weight.
 // SPDX-License-Identifier: MIT
+#include <algorithm>
 #include <cmath>
 
 #include "tool/study/stress/stress_parts.h"
@@ -126,6 +127,34 @@ constexpr Load loads[]{
     {"pusher", "between a kinematic plate and drag", by_pusher},
 };
 
+constexpr double lift_seconds = 2;
+constexpr Point lift_velocity{0.25, 0.5};  // m/s
+
+// Three boxes ride on a kinematic plate that moves up and aside. Friction takes them along.
+StressCase lift() {
+  StressCase out =
+      make_case("lift",
+                "a kinematic plate carries 3 boxes of 1 m up and aside for 2 s: how far a box or the plate "
+                "is from where it should be",
+                "m", 0, 0.003, load_methods());
+  out.source = "own";
+  out.run = [](const StressMethod& method, Precision precision) {
+    Scene scene = worlds::stack(precision, 3);
+    scene.bodies[0] = worlds::body(worlds::box(2, 0.5), {0, -0.5}, BodyType::kinematic_body);
+    for (engine::Body& body : scene.bodies) body.velocity = lift_velocity;
+    return run_case(
+        with_method(std::move(scene), method), lift_seconds, {},
+        [](const Engine&, const Bodies& start, const Bodies& end) {
+          double worst = 0;
+          for (std::size_t i = 0; i < end.size(); ++i)
+            worst = std::max({worst, std::fabs(end[i].center.x - start[i].center.x - lift_velocity.x * lift_seconds),
+                              std::fabs(end[i].center.y - start[i].center.y - lift_velocity.y * lift_seconds)});
+          return worst;
+        });
+  };
+  return out;
+}
+
 }  // namespace
 
 void add_load_cases(std::vector<StressCase>& cases) {
@@ -146,6 +175,7 @@ void add_load_cases(std::vector<StressCase>& cases) {
         };
         cases.push_back(std::move(c));
       }
+  cases.push_back(lift());
 }
 
 }  // namespace ticktrue::verifier
