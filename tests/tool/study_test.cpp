@@ -280,6 +280,33 @@ TEST_CASE("beside a peer, half its best error at no more time holds, more does n
   CHECK_FALSE(curves.holds);
 }
 
+TEST_CASE("beside a peer, settings that people use have bars of their own", "[verifier][study]") {
+  PeerCurves curves;
+  const auto point = [](double error, double ms, const char* setting) {
+    PeerPoint out;
+    out.error = error;
+    out.time_ms.min = ms;
+    out.setting = setting;
+    return out;
+  };
+  curves.ours = {point(0.06, 1, "1 sub"), point(0.001, 5, "8 sub")};
+  curves.box2d = {point(0.5, 2, "8/3 it"), point(0.4, 3, "12/5 it"), point(0.01, 6, "64/24 it")};
+  conclude(curves);
+  CHECK(curves.ratio == Approx(0.1));
+  CHECK_FALSE(curves.holds);  // 0.12 at 8/3
+  CHECK(curves.conclusion.find("At 8/3 it 0.12 of its error (fail: at most 0.1)") != std::string::npos);
+  curves.box2d[0].error = 0.7;
+  conclude(curves);
+  CHECK(curves.holds);  // 12/5 has no bar
+  curves.peer = PeerKind::box2d3;
+  curves.box2d = {point(0.1, 2, "4 sub"), point(0.01, 6, "32 sub")};
+  conclude(curves);
+  CHECK_FALSE(curves.holds);  // 0.6 at 4 sub
+  curves.box2d[0].error = 0.13;
+  conclude(curves);
+  CHECK(curves.holds);
+}
+
 TEST_CASE("a stress number is judged by its bounds, and baselines are excused", "[verifier][study]") {
   StressCase c;
   c.lower = 0;
