@@ -169,10 +169,11 @@ void solve_spring(JointWork& joint, const Row& row, JointBodies& pair, const Spr
   impulse = total;
 }
 
-/// Impulses p of joints with limits, a motor or a spring are bounded to h p r / I = 1 before they act again at an arm
-/// r, I the inertia. The arm may have turned by x since, so they act with an error of p r x, which turns the body by up
-/// to x. Forces that last hardly get there, since raise_inertias raises I; this bounds what arises within a tick, as
-/// the impulse of a limit. Returns the inverse of the greatest impulse, 1/(N s).
+/// The impulses p of a joint are bounded to h p r / I = 1 before they act again at an arm r, I the inertia. The arm may
+/// have turned by x since, so they act with an error of p r x, which turns the body by up to x. Forces that last hardly
+/// get there, since raise_inertias raises I; this bounds what arises within a tick, as the impulse of a limit. Not
+/// bounded: points and rods without limits, motor or spring, welds. Hanging chains would give way more. Returns the
+/// inverse of the greatest impulse, 1/(N s).
 inline Real turning_of(Real inv_inertia_a, Real inv_inertia_b, Vec2 arm_a, Vec2 arm_b, Real h) {
   return h * larger(inv_inertia_a * length(arm_a), inv_inertia_b * length(arm_b));
 }

@@ -280,7 +280,7 @@ TEST_CASE("beside a peer, half its best error at no more time holds, more does n
   CHECK_FALSE(curves.holds);
 }
 
-TEST_CASE("beside a peer, settings that people use have bars of their own", "[verifier][study]") {
+TEST_CASE("beside a peer, common settings have bars of their own", "[verifier][study]") {
   PeerCurves curves;
   const auto point = [](double error, double ms, const char* setting) {
     PeerPoint out;
@@ -298,6 +298,12 @@ TEST_CASE("beside a peer, settings that people use have bars of their own", "[ve
   curves.box2d[0].error = 0.7;
   conclude(curves);
   CHECK(curves.holds);  // 12/5 has no bar
+  REQUIRE(curves.bars.size() == 1);
+  CHECK(curves.bars[0].ratio == Approx(0.06 / 0.7));
+  curves.box2d[0].time_ms.min = 0.5;
+  conclude(curves);
+  CHECK_FALSE(curves.holds);
+  CHECK(curves.conclusion.find("At 8/3 it none of ours is as quick (fail: at most 0.1)") != std::string::npos);
   curves.peer = PeerKind::box2d3;
   curves.box2d = {point(0.1, 2, "4 sub"), point(0.01, 6, "32 sub")};
   conclude(curves);

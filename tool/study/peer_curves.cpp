@@ -206,16 +206,23 @@ double ratio_of(const PeerCurves& curves, const PeerPoint* theirs) {
 
 constexpr double best_ratio_max = 0.5;
 
-// What is asked at settings that people use.
-struct PeerBar {
+// Bars at common settings.
+struct SettingBar {
   PeerKind peer;
   const char* setting;
   double ratio_max;
 };
-constexpr PeerBar peer_bars[]{
+constexpr SettingBar setting_bars[]{
     {PeerKind::box2d2, "8/3 it", 0.1}, {PeerKind::box2d2, "16/6 it", 0.1}, {PeerKind::box2d2, "32/12 it", 0.1},
     {PeerKind::box2d3, "4 sub", 0.5},  {PeerKind::box2d3, "8 sub", 0.5},   {PeerKind::box2d3, "16 sub", 0.5},
 };
+
+std::string bar_text(const PeerBar& bar) {
+  const char* verdict = bar.ratio <= bar.ratio_max ? "pass" : "fail";
+  const std::string found =
+      std::isfinite(bar.ratio) ? fmt::format("{:.3g} of its error", bar.ratio) : "none of ours is as quick";
+  return fmt::format(". At {} {} ({}: at most {})", bar.setting, found, verdict, bar.ratio_max);
+}
 
 // Errors at equal substeps. Nothing is judged: times of WebAssembly are not comparable with native ones.
 void conclude_without_time(PeerCurves& curves) {
@@ -257,19 +264,20 @@ void conclude(PeerCurves& curves) {
   curves.holds = curves.ratio <= best_ratio_max;
   curves.conclusion = "no setting of ours is as quick as Box2D's best";
   if (ours)
-    curves.conclusion = fmt::format(
-        "Box2D's best, {}: {:.4g} mm at {:.4f} ms/tick. Ours at no more time, {}: {:.4g} mm at {:.4f} ms/tick: {:.3g} "
-        "of "
-        "its error ({}: at most {})",
-        theirs->setting, theirs->error * 1e3, theirs->time_ms.min, ours->setting, ours->error * 1e3, ours->time_ms.min,
-        curves.ratio, curves.holds ? "pass" : "fail", best_ratio_max);
-  for (const PeerBar& bar : peer_bars) {
+    curves.conclusion =
+        fmt::format(
+            "Box2D's best, {}: {:.4g} mm at {:.4f} ms/tick. Ours at no more time, {}: {:.4g} mm at {:.4f} ms/tick",
+            theirs->setting, theirs->error * 1e3, theirs->time_ms.min, ours->setting, ours->error * 1e3,
+            ours->time_ms.min) +
+        fmt::format(": {:.3g} of its error ({}: at most {})", curves.ratio, curves.holds ? "pass" : "fail",
+                    best_ratio_max);
+  curves.bars.clear();
+  for (const SettingBar& bar : setting_bars) {
     const PeerPoint* point = bar.peer == curves.peer ? find_setting(curves.box2d, bar.setting) : nullptr;
     if (!point) continue;
-    const double ratio = ratio_of(curves, point);
-    curves.holds = curves.holds && ratio <= bar.ratio_max;
-    curves.conclusion += fmt::format(". At {} {:.3g} of its error ({}: at most {})", bar.setting, ratio,
-                                     ratio <= bar.ratio_max ? "pass" : "fail", bar.ratio_max);
+    curves.bars.push_back({bar.setting, ratio_of(curves, point), bar.ratio_max});
+    curves.holds = curves.holds && curves.bars.back().ratio <= bar.ratio_max;
+    curves.conclusion += bar_text(curves.bars.back());
   }
 }
 
@@ -311,6 +319,7 @@ Result<std::vector<PeerCurves>> run_peer_curves(const PeerCurvesOptions& options
     for (std::size_t i = 0; i < all.size(); ++i) {
       PeerPoint point;
       point.setting = setting_name(all[i]);
+      point.joins_direct = all[i].joins_direct;
       point.error = std::sqrt(errors[i].squares / static_cast<double>(errors[i].count));
       point.error_max = errors[i].max;
       point.stands = errors[i].max < 0.5;

@@ -26,11 +26,19 @@
 namespace ticktrue::verifier {
 
 struct PeerPoint {
-  std::string setting;   // "8 sub", "16/6 it"
-  double error = 0;      // m
-  double error_max = 0;  // m
+  std::string setting;        // "8 sub", "16/6 it"
+  double error = 0;           // m
+  double error_max = 0;       // m
+  bool joins_direct = false;  // this engine with direct joints
   bool stands = true;    // no body is farther than half its size from its ideal place; no gap is wider than half a link
   SampleSpread time_ms;  // per tick
+};
+
+/// What is asked at one setting of Box2D.
+struct PeerBar {
+  std::string setting;
+  double ratio = 0;  // the least error here within its time, over its error; infinite if nothing here is as quick
+  double ratio_max = 0;
 };
 
 struct PeerCurves {
@@ -41,9 +49,10 @@ struct PeerCurves {
   std::string measure;     // definition of the error, and when samples are taken
   std::vector<PeerPoint> ours;
   std::vector<PeerPoint> box2d;
-  double ratio = 0;       // the best error here within the time of Box2D's best point, over the error of that point
-  bool is_judged = true;  // false: the times of the two are not comparable; ratio is that of equal substeps
-  bool holds = false;     // is_judged, ratio is at most 0.5, and the bars at settings that people use hold
+  double ratio = 0;           // the best error here within the time of Box2D's best point, over the error of that point
+  std::vector<PeerBar> bars;  // at common settings
+  bool is_judged = true;      // false: the times of the two are not comparable; ratio is that of equal substeps
+  bool holds = false;         // is_judged, ratio is at most 0.5, and so is each bar at most its own
   std::string conclusion;
 };
 
@@ -52,7 +61,7 @@ struct PeerCurves {
 const PeerPoint* best_within(const std::vector<PeerPoint>& points, double time_ms);
 /// The point of the setting with this name. Null if there is none.
 const PeerPoint* find_setting(const std::vector<PeerPoint>& points, const std::string& setting);
-/// Fills ratio, holds and conclusion.
+/// Fills ratio, bars, holds and conclusion.
 void conclude(PeerCurves& curves);
 
 struct PeerCurvesOptions {

@@ -59,6 +59,11 @@ Json peer_json(const std::vector<verifier::PeerCurves>& scenes, const std::vecto
     else if (scene.peer == PeerKind::box2d3)
       row["time"] = scene.peer_label == "Box2D 3" ? "native" : "wasm, both";
     row["ratio"] = number_json(scene.ratio);
+    for (const auto& bar : scene.bars)
+      row["bars"].push_back({{"setting", bar.setting},
+                             {"ratio", number_json(bar.ratio)},
+                             {"ratio_max", bar.ratio_max},
+                             {"verdict", bar.ratio <= bar.ratio_max ? "pass" : "fail"}});
     const auto points_json = [](const std::vector<verifier::PeerPoint>& points) {
       Json array = Json::array();
       for (const auto& point : points)
@@ -150,10 +155,11 @@ int run_accuracy_peer(const AccuracyPeerOptions& options, const StudyFiles& file
                         true,
                         true,
                         {}};
-    for (const auto* points : {&scene.ours, &scene.box2d}) {
-      const std::string& name = points == &scene.ours ? scene.own_label : scene.peer_label;
+    const auto add_curve = [&](const std::string& name, const std::vector<verifier::PeerPoint>& points,
+                               bool is_direct) {
       verifier::PlotCurve line{name, {}, {}, false};
-      for (const auto& point : *points) {
+      for (const auto& point : points) {
+        if (point.joins_direct != is_direct) continue;
         if (point.stands) {  // how far a heap is from the stack that it was says nothing
           line.x.push_back(point.error);
           line.y.push_back(point.time_ms.min);
@@ -163,8 +169,11 @@ int run_accuracy_peer(const AccuracyPeerOptions& options, const StudyFiles& file
              verifier::full_number(point.error_max), point.stands ? "1" : "0", verifier::full_number(point.time_ms.min),
              verifier::full_number(point.time_ms.median), verifier::full_number(point.time_ms.iqr)});
       }
-      plot.curves.push_back(std::move(line));
-    }
+      if (!line.x.empty()) plot.curves.push_back(std::move(line));
+    };
+    add_curve(scene.own_label, scene.ours, false);
+    add_curve(scene.own_label + " direct", scene.ours, true);
+    add_curve(scene.peer_label, scene.box2d, false);
     plots.push_back(std::move(plot));
   }
   if (const int code = write_study_files(files, csv, plots); code != exit_ok) return code;
