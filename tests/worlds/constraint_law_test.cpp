@@ -142,7 +142,8 @@ TEST_CASE("worlds of a baseline are not judged, and no rule of theirs breaks", "
   }
 }
 
-TEST_CASE("soak tells the tick in which a world breaks a rule of physics, for each rule", "[verifier][soak][law][analytic]") {
+TEST_CASE("soak tells the tick in which a world breaks a rule of physics, for each rule",
+          "[verifier][soak][law][analytic]") {
   const EngineMaker make = [](const Scene& scene,
                               const engine::EngineOptions& options) -> Result<std::unique_ptr<Engine>> {
     auto made = engine::make_engine(scene, options);
