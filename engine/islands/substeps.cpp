@@ -6,6 +6,7 @@
 
 #include "base/limits.h"
 #include "engine/islands/islands.h"
+#include "engine/islands/pushes.h"
 #include "engine/islands/substep_budget.h"
 #include "engine/islands/supports.h"
 #include "engine/math/trig.h"
@@ -325,6 +326,24 @@ void raise_by_rates(const Model& model, const State& state, TickLists& tick, con
   }
 }
 
+/// Moving bodies on direct joints whose forces no tick has measured: their islands start with the most substeps that a
+/// sway may ask for.
+void expect_sways(const Model& model, const State& state, const TickLists& tick, const IslandWork& work,
+                  std::vector<std::uint32_t>& now, std::vector<std::uint32_t>& before) {
+  const auto most =
+      static_cast<std::uint32_t>(std::min(model.scene.settings.auto_substeps->substeps_max, sway_substeps_max));
+  for (std::size_t i = 0; i < work.direct.is_direct.size(); ++i) {
+    if (work.direct.is_direct[i] == 0) continue;
+    for_each_body(model, model.joints[state.joints[i].joint], [&](std::uint32_t id) {
+      const std::uint32_t row = row_of(state, id);
+      if (!is_dynamic(work, row) || state.loads[row].wanted > 0 || !is_moving(state.bodies[row])) return;
+      const std::uint32_t root = tick.island[row];
+      now[root] = std::max(now[root], most);
+      before[root] = std::max(before[root], most);
+    });
+  }
+}
+
 /// Raises the levels of islands whose constraints held more than the weights, both in this tick's forces and in those
 /// of the tick before. One impact therefore does not count.
 void raise_by_measured_loads(const Model& model, State& state, TickLists& tick, IslandWork& work, Real dt,
@@ -342,6 +361,7 @@ void raise_by_measured_loads(const Model& model, State& state, TickLists& tick, 
   raise_by_rates(model, state, tick, work, dt, sway_max, sway_substeps_max, sway_of, now);
   std::vector<std::uint32_t>& before = work.measured_level_before;
   before.assign(state.bodies.size(), 0);
+  expect_sways(model, state, tick, work, now, before);
   for (const std::uint32_t row : work.awake_rows) {
     const std::uint32_t root = tick.island[row];
     if (state.loads[row].wanted > before[root]) before[root] = state.loads[row].wanted;
@@ -381,6 +401,8 @@ void estimate_needs(const Model& model, State& state, TickLists& tick, IslandWor
   std::vector<std::uint32_t>& level = tick.island_level;
   raise_levels(model, state, tick, work, work.weights, level);
   if (is_measured) raise_by_measured_loads(model, state, tick, work, dt, level);
+  if (is_measured && estimate_pushes(model, state, tick, work, dt))
+    raise_levels(model, state, tick, work, work.pushes, level);
   const auto turn_of = [&](std::uint32_t row) { return absolute(state.bodies[row].angular_velocity); };
   raise_by_rates(model, state, tick, work, dt, turn_max, settings.auto_substeps->substeps_max, turn_of, level);
   if (!work.direct.is_direct.empty()) {

@@ -148,6 +148,63 @@ Scene chain_scene(double angle, Precision precision) {
   return *std::move(scene);
 }
 
+// Two balls of 10 kg at the ends of six links of .1 kg and .5 m, rotating in empty space. The links bend by turns.
+Scene bolas(double speed, double bend, Precision precision) {
+  constexpr int link_count = 6;
+  Scene scene = empty_scene(precision);
+  scene.gravity = {0, 0};
+  measure_loads(scene);
+  Point at{-0.25 * link_count * std::cos(bend), 0};
+  const auto add = [&](const engine::Shape& shape, double mass, double inertia, Point position, double angle) {
+    Body body = body_of(shape, position);
+    body.mass = engine::ExplicitMass{mass, inertia, {}};
+    body.angle = angle;
+    body.velocity = {-speed * position.y, speed * position.x};
+    body.angular_velocity = speed;
+    body.shapes[0].filter.mask = 0;
+    scene.bodies.push_back(body);
+  };
+  const auto pin = [&](double end_a, double end_b) {
+    const auto last = static_cast<std::uint32_t>(scene.bodies.size() - 1);
+    Joint joint = joint_of(JointKind::revolute, last - 1, last);
+    joint.anchor_a = {end_a, 0};
+    joint.anchor_b = {end_b, 0};
+    scene.joints.push_back(joint);
+  };
+  add(disc_shape(0.2), 10, 0.2, at, 0);
+  for (int i = 0; i < link_count; ++i) {
+    const double angle = i % 2 == 0 ? bend : -bend;
+    const Point half{0.25 * std::cos(angle), 0.25 * std::sin(angle)};
+    add(box_shape(0.25, 0.02), 0.1, 0.1 * 0.25 / 12, {at.x + half.x, at.y + half.y}, angle);
+    pin(i == 0 ? 0 : 0.25, -0.25);
+    at = {at.x + 2 * half.x, at.y + 2 * half.y};
+  }
+  add(disc_shape(0.2), 10, 0.2, at, 0);
+  pin(0.25, 0);
+  return scene;
+}
+
+// A kinematic plate at 1 m/s that pushes a row of boxes over a floor; all of them have its speed at the start.
+Scene pushed_row(int count, double last_mass, Precision precision) {
+  Scene scene = empty_scene(precision);
+  measure_loads(scene);
+  scene.bodies.push_back(body_of(box_shape(1, 0.4), {-1, 0.5}, BodyType::kinematic_body));
+  for (int i = 0; i < count; ++i) scene.bodies.push_back(unit_box({i + 0.5, 0.5}));
+  scene.bodies.back().mass = engine::ExplicitMass{last_mass, {}, {}};
+  for (Body& body : scene.bodies) body.velocity = {1, 0};
+  scene.bodies.push_back(body_of(box_shape(1000, 1), {0, -1}, BodyType::static_body));
+  for (Body& body : scene.bodies) body.shapes[0].material.friction = 0.5;
+  scene.bodies[0].shapes[0].material.friction = 0;
+  return scene;
+}
+
+// The largest speed of a body, m/s.
+double largest_speed(const Engine& engine) {
+  double most = 0;
+  for (const BodyReport& body : engine.bodies()) most = std::fmax(most, std::hypot(body.velocity.x, body.velocity.y));
+  return most;
+}
+
 // The largest substep count of a body.
 std::uint32_t most_substeps(const Engine& engine) {
   const StateView& view = engine.state();
@@ -204,8 +261,49 @@ TEST_CASE("a stack is squeezed by forces at most 1.2 times as much as by the sam
           CAPTURE(precision, count, force, static_cast<int>(load), by_weight);
           CHECK(squeeze(count, force, load, precision) <= 1.2 * by_weight);
         }
+      }
+}
+
+TEST_CASE("a row is squeezed before a plate at most 1.2 times as much as by the same weight",
+          "[engine][islands][analytic]") {
+  for (const Precision precision : {Precision::f32, Precision::f64})
+    for (const int count : {5, 10, 20})
+      for (const double force : {1e2, 1e3, 1e4, 1e5}) {
+        const double by_weight = squeeze(count, force, Load::weight, precision);
         CAPTURE(precision, count, force, by_weight);
         CHECK(squeeze_before_plate(count, force, precision) <= 1.2 * by_weight);
+      }
+}
+
+TEST_CASE("a plate that pushes a row over a floor throws no body", "[engine][islands]") {
+  for (const Precision precision : {Precision::f32, Precision::f64})
+    for (const int count : {2, 3, 10})
+      for (const double last_mass : {1.0, 30.0, 1000.0}) {
+        CAPTURE(precision, count, last_mass);
+        const auto engine = make_engine_or_fail(pushed_row(count, last_mass, precision));
+        double speed = 0;
+        double overlap = 0;
+        for (int i = 0; i < tick_count; ++i) {
+          run_ticks(*engine, 1);
+          speed = std::fmax(speed, largest_speed(*engine));
+          for (const engine::ContactReport& contact : engine->contacts())
+            for (int k = 0; k < contact.point_count; ++k) overlap = std::fmax(overlap, -contact.separation[k]);
+        }
+        CHECK(speed < 1.2);
+        CHECK(overlap < 0.005);
+      }
+}
+
+TEST_CASE("bolas with a bent chain keep their energy from the first tick on",
+          "[engine][islands][direct][conservation]") {
+  for (const Precision precision : {Precision::f32, Precision::f64})
+    for (const double speed : {5.0, 20.0, 50.0})
+      for (const double bend : {0.0, 0.02, 0.1}) {
+        CAPTURE(precision, speed, bend);
+        const auto engine = make_engine_or_fail(bolas(speed, bend, precision));
+        const double start = kinetic_energy(*engine);
+        run_ticks(*engine, tick_count);
+        CHECK(std::abs(kinetic_energy(*engine) / start - 1) < 0.02);
       }
 }
 
