@@ -9,7 +9,7 @@ study() {
   output=$(timeout "$seconds" "$tool" "$@" 2>&1)
   status=$?
   [ $status -eq 0 ] && return
-  echo "failed: $*: exit $status: $(echo "$output" | grep -E 'fail|differ|error' | head -1)"
+  echo "failed: $*: exit $status: $(echo "$output" | grep -wE 'fail|failed|FAILED|differs|error:' | head -1)"
   exit 1
 }
 

@@ -236,7 +236,7 @@ TEST_CASE("what a problem file cannot mean is refused with its place", "[verifie
       {R"({"scene": "projectile?solver=tgs_soft", "duration": 1, "samples": 7, "observe": "bodies.0.x", "exact": "3*t"})",
        "samples: found 7 in 1 s"},
       {R"({"scene": "projectile?solver=tgs_soft", "duration": 1, "observe": "bodies.9.x", "exact": "3*t"})",
-       "observe: \"bodies.9.x\": found nan before the first tick"},
+       "observe: bodies.9.x: found no body 9: the scene has 1, expected 0"},
       {R"({"scene": "projectile?solver=tgs_soft", "duration": 1, "observe": "energy_start", "exact": "3*t"})",
        "found a name with _start"},
       {R"({"scene": "projektile", "duration": 1, "observe": "bodies.0.x", "exact": "3*t"})", "projektile"},

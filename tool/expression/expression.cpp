@@ -51,7 +51,8 @@ std::string name_of(WorldValue value) {
 }
 
 std::string known_names(ExpressionNames names) {
-  if (names == ExpressionNames::time) return "names: t, the time in s";
+  if (names == ExpressionNames::time)
+    return "names: t, the time in s, and pi; sin, cos, exp, sqrt, abs, min, max; a*b is a product, a^b a power";
   std::string text;
   for (const WorldValueInfo& info : world_values) text += (text.empty() ? "" : ", ") + std::string(info.name);
   if (names == ExpressionNames::world) return "names: " + text + "; with _start: before the first tick";
@@ -150,6 +151,12 @@ double Expression::evaluate_at(double time_s) {
   return parser_->parser.Eval();
 }
 
+Status Expression::check_parts(const engine::Scene& scene, const std::string& place) const {
+  for (const UsedName& part : parser_->parts)
+    if (const Status exists = check_exists(part.named, scene, place); !exists) return exists;
+  return {};
+}
+
 bool Expression::uses_start() const {
   return !parser_->used_at_start.empty();
 }
@@ -183,6 +190,9 @@ double Expression::evaluate(const engine::Engine&) {
 }
 double Expression::evaluate_at(double) {
   return 0;
+}
+Status Expression::check_parts(const engine::Scene&, const std::string&) const {
+  return {};
 }
 bool Expression::uses_start() const {
   return false;

@@ -36,6 +36,8 @@ class Expression {
   double evaluate(const engine::Engine& engine);
   /// Requires: ExpressionNames::time.
   double evaluate_at(double time_s);
+  /// Refuses bodies and joints that no state of the scene can have. Messages begin with `place`. Errors: usage.
+  Status check_parts(const engine::Scene& scene, const std::string& place) const;
   /// Whether begin() must be called.
   bool uses_start() const;
 

@@ -185,6 +185,36 @@ void judge_own(const Problem& problem, AccuracyCurve& curve) {
                            setting_text(curve.method, finest.setting) + ": a slope shows below 0.1";
 }
 
+/// The value farthest from its exact one, as text: "bodies.1.x at 0.5 s: found 3.1, exact 3".
+std::string farthest_text(const Problem& problem, const Observed& observed) {
+  double most = 0;
+  std::string text;
+  for (std::size_t i = 0; i < observed.samples.size(); ++i) {
+    const std::vector<double> exact = problem.exact(observed.times[i]);
+    for (std::size_t k = 0; k < exact.size(); ++k) {
+      const double distance = std::fabs(apart(problem, observed.samples[i][k], exact[k]));
+      if (!(distance > most)) continue;
+      most = distance;
+      const double scale = k < problem.value_scales.size() ? problem.value_scales[k] : 1;
+      text = problem.value_names[k] + " at " + short_number(observed.times[i]) + " s: found " +
+             short_number(observed.samples[i][k] * scale) + ", exact " + short_number(exact[k] * scale);
+    }
+  }
+  return text;
+}
+
+/// Adds to the reason of a failure of a user's problem where the finest run is farthest off, and whether finer settings
+/// help at all. `finest`: the samples of the finest setting.
+void explain_own(const Problem& problem, const Observed& finest, AccuracyCurve& curve) {
+  if (!problem.is_own || curve.judgement.verdict != StudyVerdict::fail || curve.points.size() < 3) return;
+  const std::string farthest = farthest_text(problem, finest);
+  if (farthest.empty()) return;
+  curve.judgement.reason += "; farthest at the finest setting: " + farthest;
+  constexpr double hardly = 2;  // the error of the coarsest setting over that of the finest
+  if (curve.points.front().error < hardly * curve.points.back().error)
+    curve.judgement.reason += "; finer settings hardly help, so what it is compared with may be off";
+}
+
 void judge_curve(const Problem& problem, AccuracyCurve& curve) {
   std::vector<double> steps, errors, floors;
   for (const AccuracyPoint& point : curve.points) {
@@ -244,6 +274,7 @@ std::vector<AccuracyCurve> run_method(const Problem& problem, const Method& meth
   std::vector<AccuracyCurve> curves;
   for (const Precision precision : options.precisions) curves.push_back(empty_curve(problem, method, precision));
   std::vector<double> f64_errors, f64_floors;
+  Observed finest[2];
   for (const Setting& setting : settings_of(problem, method)) {
     Observed kept[2];
     AccuracyPoint points[2];
@@ -277,12 +308,15 @@ std::vector<AccuracyCurve> run_method(const Problem& problem, const Method& meth
       point.floor = rounding_floor(problem, method, kept[1], kept[0], curve.precision);
       curve.points.push_back(point);
     }
+    finest[0] = std::move(kept[0]);
+    finest[1] = std::move(kept[1]);
   }
   for (AccuracyCurve& curve : curves) {
     judge_curve(problem, curve);
     explain_by_f64(problem, f64_errors, f64_floors, curve);
     judge_own(problem, curve);
     judge_bars(problem, curve);
+    explain_own(problem, finest[static_cast<std::size_t>(curve.precision)], curve);
   }
   return curves;
 }

@@ -372,6 +372,7 @@ Trajectory run_trajectory(const CompareSession& session, const Variant& variant,
     const auto contacts = engine.contacts();
     trajectory.measures.push_back(measured(scene, now, contacts));
     if (options.measure) trajectory.measures.back().values = options.measure(engine);
+    trajectory.measures.back().values_time_s = engine.time_s();
     const CompareSample& measured_now = trajectory.measures.back();
     trajectory.row.overlap_max = std::max(trajectory.row.overlap_max, measured_now.overlap);
     trajectory.row.joint_gap_max = std::max(trajectory.row.joint_gap_max, measured_now.joint_gap);
@@ -429,8 +430,8 @@ CompareRow against(const Trajectory& base, const Trajectory& trajectory, const s
     return row;
   }
   row.same_ticks = trajectory.dts == base.dts;
-  const bool same_rows = row.same_ticks && session.scene.settings.precision ==
-                                               row.variant.precision.value_or(session.scene.settings.precision);
+  const bool same_rows =
+      row.same_ticks && session.scene.settings.precision == scene_of(session, row.variant).settings.precision;
   row.whole_state = same_rows && preserves_state(row.variant);
   const std::vector<std::uint64_t>& bits = row.whole_state ? trajectory.root : trajectory.bits;
   const std::vector<std::uint64_t>& base_bits = row.whole_state ? base.root : base.bits;

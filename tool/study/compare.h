@@ -103,6 +103,7 @@ struct CompareSample {
   double overlap = 0;          // m, the deepest
   double joint_gap = 0;        // m, the largest
   std::vector<double> values;  // those of CompareOptions::measure, after the tick that reaches the time
+  double values_time_s = 0;    // the end of that tick
 };
 
 struct CompareRow {

@@ -74,6 +74,8 @@ struct Problem {
   /// Of a user's file: what it claims is judged, or the run fails.
   bool is_own = false;
   std::vector<std::pair<std::string, double>> slopes;  // claimed by method; then `slope` is absent
+  std::vector<std::string> value_names;                // what `observe` returns, as the file names it
+  std::vector<double> value_scales;  // what `observe` and `exact` divide their values by; empty: by nothing
 
   /// Smooth problems: the start and the acceleration, of a point or of an angle (x alone).
   engine::Point start;

@@ -36,7 +36,7 @@ struct CompareCommand {
   std::string subject;
   std::vector<std::string> integrators, clocks, solvers, substeps, precisions, dts, broad_phases, threads;
   std::optional<std::uint64_t> tick_count;
-  double seconds = 10;
+  std::optional<double> seconds;
   std::uint64_t twin_count = 3;
   std::vector<std::string> hosts{"jitter_60"};
   std::vector<std::string> varied;
@@ -234,8 +234,10 @@ Json row_json(const CompareRow& row, bool is_twin, const std::vector<std::string
                                 {"overlap_m", number_json(sample.overlap)},
                                 {"joint_gap_m", number_json(sample.joint_gap)}});
   if (columns.empty() || row.samples.empty()) return entry;
-  for (std::size_t i = 0; i < row.samples.size(); ++i)
+  for (std::size_t i = 0; i < row.samples.size(); ++i) {
     entry["samples"][i]["columns"] = columns_json(columns, row.samples[i].values);
+    entry["samples"][i]["columns_time_s"] = number_json(row.samples[i].values_time_s);
+  }
   entry["columns"] = columns_json(columns, row.samples.back().values);
   return entry;
 }
@@ -277,6 +279,7 @@ std::string csv_of(const CompareReport& report, const std::vector<verifier::Vari
   for (const verifier::VariedKey& key : varied) keys.push_back(key.key);
   std::vector<std::string> heads{"verdict",     "time_s",   "position_max_m", "position_rms_m", "angle_max_rad",
                                  "twins_rms_m", "energy_j", "momentum",       "overlap_m",      "joint_gap_m"};
+  if (!columns.empty()) heads.emplace_back("columns_time_s");
   heads.insert(heads.end(), columns.begin(), columns.end());
   add_line("variant", keys, heads);
   const auto add = [&](const CompareRow& row) {
@@ -291,6 +294,7 @@ std::string csv_of(const CompareReport& report, const std::vector<verifier::Vari
                                      full_number(sample.momentum),
                                      full_number(sample.overlap),
                                      full_number(sample.joint_gap)};
+      if (!columns.empty()) cells.push_back(full_number(sample.values_time_s));
       for (const double value : sample.values) cells.push_back(std::isfinite(value) ? full_number(value) : "");
       add_line(row.variant.name, row.variant.varied_values, cells);
     }
@@ -409,6 +413,39 @@ Result<std::vector<verifier::VariedKey>> varied_keys_of(const CompareCommand& co
   return keys;
 }
 
+/// Refuses a key that an option sets as well: the option would win. Refuses clocks without --clock, which makes their
+/// frames. Errors: usage.
+Status check_varied(const CompareCommand& command, const std::string& key, const std::string& place) {
+  struct Axis {
+    std::string_view option;
+    std::string_view key;
+    bool is_given;
+  };
+  const std::array<Axis, 7> axes{{
+      {"--integrator", "settings.integrator", !command.integrators.empty()},
+      {"--clock", "settings.clock.type", !command.clocks.empty()},
+      {"--solver", "settings.solver", !command.solvers.empty()},
+      {"--substeps", "settings.substeps", !command.substeps.empty()},
+      {"--precision", "settings.precision", !command.precisions.empty()},
+      {"--dt", "settings.dt", !command.dts.empty()},
+      {"--broad-phase", "settings.broad_phase", !command.broad_phases.empty()},
+  }};
+  const auto is_within = [](std::string_view inner, std::string_view outer) {
+    return inner == outer ||
+           (inner.size() > outer.size() && inner.substr(0, outer.size()) == outer && inner[outer.size()] == '.');
+  };
+  for (const Axis& axis : axes)
+    if (axis.is_given && (is_within(key, axis.key) || is_within(axis.key, key)))
+      return Error{
+          ErrorCode::usage,
+          fmt::format("{}: found {}, which sets {} as well, expected one of the two", place, axis.option, axis.key),
+          {}};
+  if (is_within(key, "settings.clock") && command.clocks.empty())
+    return Error{ErrorCode::usage, place + ": found no --clock, expected the clock that makes the ticks",
+                 "ticktrue compare pendulum --clock variable,adaptive --host steady_30"};
+  return {};
+}
+
 /// Errors: usage; what --vary makes of the scene.
 Result<std::vector<verifier::Variant>> variants_of(const CompareCommand& command, const engine::Scene& scene,
                                                    const std::vector<verifier::VariedKey>& varied) {
@@ -416,7 +453,9 @@ Result<std::vector<verifier::Variant>> variants_of(const CompareCommand& command
   if (!axes) return axes.error();
   std::vector<verifier::Variant> variants = verifier::product_of(*axes);
   for (std::size_t i = 0; i < varied.size(); ++i) {
-    auto more = verifier::with_varied(variants, scene, varied[i], "--vary " + command.varied[i]);
+    const std::string place = "--vary " + command.varied[i];
+    if (const Status status = check_varied(command, varied[i].key, place); !status) return status.error();
+    auto more = verifier::with_varied(variants, scene, varied[i], place);
     if (!more) return more.error();
     variants = *std::move(more);
     if (variants.size() > variant_count_max)
@@ -442,6 +481,11 @@ int run_compare(const CompareCommand& command) {
   if (const Status status = check_targets(command); !status) return fail_usage(status.error());
   CompareSession session;
   if (is_trace(command.subject)) {
+    if (command.seconds || command.tick_count)
+      return fail_usage({ErrorCode::usage,
+                         fmt::format("{}: found {} with a trace, expected neither --seconds nor --ticks",
+                                     command.subject, command.seconds ? "--seconds" : "--ticks"),
+                         "a trace runs for its own ticks; a scene runs as long as you say"});
     auto read = verifier::session_of_trace(command.subject);
     if (!read) return fail(read.error());
     session = std::move(*read);
@@ -449,8 +493,8 @@ int run_compare(const CompareCommand& command) {
     const auto scene = load_scene_argument(command.subject);
     if (!scene) return fail_usage(scene.error());
     session.scene = *scene;
-    session.seconds =
-        command.tick_count ? static_cast<double>(*command.tick_count) * scene->settings.dt : command.seconds;
+    session.seconds = command.tick_count ? static_cast<double>(*command.tick_count) * scene->settings.dt
+                                         : command.seconds.value_or(10);
   }
   for (const std::string& host : command.hosts)
     if (const Status known = verifier::check_host(host, command.host_seed); !known) return fail_usage(known.error());
@@ -499,11 +543,11 @@ int run_compare(const CompareCommand& command) {
 }
 
 template <typename Table>
-void add_axis(CLI::App& command, const std::string& name, std::vector<std::string>& target, const Table& table,
-              const std::string& what) {
+CLI::Option* add_axis(CLI::App& command, const std::string& name, std::vector<std::string>& target, const Table& table,
+                      const std::string& what) {
   std::vector<std::string> names;
   for (const auto& row : table) names.emplace_back(row.name);
-  command.add_option(name, target, what)->delimiter(',')->allow_extra_args(false)->check(CLI::IsMember(names));
+  return command.add_option(name, target, what)->delimiter(',')->allow_extra_args(false)->check(CLI::IsMember(names));
 }
 
 }  // namespace
@@ -517,7 +561,8 @@ void add_compare(CLI::App& app, CliContext& context) {
                    "Scene file (.json), built-in scene, or a trace (.ttr) with its inputs")
       ->required();
   add_axis(*command, "--integrator", options->integrators, engine::integrators, "Integrators");
-  add_axis(*command, "--clock", options->clocks, engine::clock_kinds, "Clocks, on the frames of --host");
+  CLI::Option* clock =
+      add_axis(*command, "--clock", options->clocks, engine::clock_kinds, "Clocks, on the frames of --host");
   add_axis(*command, "--solver", options->solvers, engine::solvers, "Solvers");
   command->add_option("--substeps", options->substeps, "Substeps, 1..256 or auto")
       ->delimiter(',')
@@ -542,9 +587,8 @@ void add_compare(CLI::App& app, CliContext& context) {
   command->add_option("--threads", options->threads, "Threads of a tick, 1..64")
       ->delimiter(',')
       ->allow_extra_args(false);
-  auto* seconds = command->add_option("--seconds", options->seconds, "Simulated time; of a trace: its own")
-                      ->check(CLI::Range(1e-3, 1e6))
-                      ->capture_default_str();
+  auto* seconds = command->add_option("--seconds", options->seconds, "Simulated time, default: 10; of a trace: its own")
+                      ->check(CLI::Range(1e-3, 1e6));
   add_number(*command, "--ticks", options->tick_count, "The same in ticks of the base", {1, limits::tick_count_max})
       ->excludes(seconds);
   add_number(*command, "--twins", options->twin_count, "Runs of the base shifted by 1 ULP; default: 3", {1, 100});
@@ -552,6 +596,7 @@ void add_compare(CLI::App& app, CliContext& context) {
       ->add_option("--host", options->hosts,
                    "Frames for --clock: models of `ticktrue run --help`, or files; default: jitter_60")
       ->delimiter(',')
+      ->needs(clock)
       ->allow_extra_args(false);
   add_number(*command, "--host-seed", options->host_seed, "Of the model; default: 1");
   add_number(*command, "-j,--jobs", options->job_count, "Runs at once; default: one a core, with --threads one",

@@ -327,10 +327,16 @@ std::vector<engine::Precision> precisions_of(const StressCommand& command) {
   return precisions;
 }
 
+/// Those of --precision; without it f32.
+std::vector<engine::Precision> precisions_or_f32(const StressCommand& command) {
+  const std::vector<engine::Precision> precisions = precisions_of(command);
+  return precisions.empty() ? std::vector{engine::Precision::f32} : precisions;
+}
+
 int run_run_times(const StressCommand& command) {
   verifier::RunTimeOptions options;
   options.names = command.cases;
-  options.precisions = precisions_of(command);
+  options.precisions = precisions_or_f32(command);
   options.loads = engine::find_choice(engine::substep_loads, command.loads)->kind;
   options.budget = static_cast<int>(command.budget);
   Progress progress("stress --run-time", 1, "ticks");
@@ -379,7 +385,7 @@ int run_stress_command(const StressCommand& command) {
   if (!rows) return fail_usage(rows.error());
   std::vector<StabilityRow> limits;
   if (command.cases.empty() && !command.no_limits) {
-    auto found = verifier::stability_limits(options.precisions, options.thread_count);
+    auto found = verifier::stability_limits(precisions_or_f32(command), options.thread_count);
     if (!found) return fail_usage(found.error());
     limits = *std::move(found);
   }
@@ -412,8 +418,9 @@ void add_stress(CLI::App& app, CliContext& context) {
       "Cases of --list, how their names begin, or files of one's own (my.json: docs/study.md); default: all");
   std::vector<std::string> names;
   for (const auto& info : engine::precisions) names.emplace_back(info.name);
-  options->precisions = {"f32"};
-  command->add_option("--precision", options->precisions, "f32, f64; default: f32")
+  command
+      ->add_option("--precision", options->precisions,
+                   "f32, f64; default: f32, and of a file of one's own what its scene says")
       ->delimiter(',')
       ->allow_extra_args(false)
       ->check(CLI::IsMember(names));

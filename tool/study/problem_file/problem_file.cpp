@@ -87,11 +87,11 @@ class ProblemReader final : public OwnFileReader {
            return list(v, p, out.bars, [&](const auto& e, const auto& q, Bar& bar) { return read_bar(e, q, bar); });
          }},
     };
-    if (!object(root, path, fields)) return false;
+    if (!is_own_kind(root, "measure", "ticktrue stress") || !object(root, path, fields)) return false;
     if (out.observe.empty()) return fail({&path, "observe"}, "found nothing, expected an expression");
     if (out.exact.empty() == out.reference.empty())
-      return fail(path, "found " + std::string(out.exact.empty() ? "neither" : "both") +
-                            " exact and reference, expected one of them");
+      return fail(path, std::string("found ") + (out.exact.empty() ? "neither exact nor" : "both exact and") +
+                            " reference, expected one of them");
     if (!out.exact.empty() && out.exact.size() != out.observe.size())
       return fail({&path, "exact"}, "found " + std::to_string(out.exact.size()) + " expressions, expected " +
                                         std::to_string(out.observe.size()) + ", as in observe");
@@ -245,8 +245,11 @@ class ProblemMaker {
     problem.observe = [shared = *parsed](const engine::Engine& engine) {
       return shared->values([&](Expression& expression) { return expression.evaluate(engine); });
     };
+    problem.value_names = text_.observe;
     const auto engine = engine::make_engine(problem.scene(Precision::f64));
     if (!engine) return engine.error();
+    for (const Expression& expression : (*parsed)->list)
+      if (const Status exists = expression.check_parts((*engine)->scene(), path_ + ": observe"); !exists) return exists;
     const std::vector<double> values = problem.observe(**engine);
     for (std::size_t i = 0; i < values.size(); ++i)
       if (!std::isfinite(values[i]))
@@ -313,6 +316,7 @@ class ProblemMaker {
     };
     problem.exact = [exact = problem.exact, divided](double time_s) { return divided(exact(time_s)); };
     problem.scale = 1;
+    problem.value_scales = text_.scales;
   }
 
   Status check_sweep(Problem& problem) {
@@ -329,7 +333,7 @@ class ProblemMaker {
   Status add_reference(Problem& problem) {
     const std::string file = (std::filesystem::path(path_).parent_path() / text_.reference).string();
     const Result<std::string> csv = cli::read_text_file(file, problem_file_size_max);
-    if (!csv) return csv.error();
+    if (!csv) return reader_.error_at("reference", csv.error().message, "it is searched in the folder of this file");
     const auto table = ReferenceTable::parse(*csv, file, text_.observe.size());
     if (!table) return table.error();
     const double first = problem.duration / problem.sample_count;

@@ -30,6 +30,19 @@ bool OwnFileReader::positive(const JsonValue& value, const JsonPath& path, doubl
   return out > 0 || fail(path, "found " + engine::number_text(out) + ", expected a number above 0");
 }
 
+bool OwnFileReader::is_own_kind(const JsonValue& root, std::string_view other_key, std::string_view reader) {
+  const JsonPath path;
+  if (root.type != JsonValue::Type::object) return true;
+  if (root.find("bodies") != nullptr && root.find("scene") == nullptr)
+    return fail(
+        path, "found a scene, expected a file that names one",
+        "{\"scene\": \"this_file.json\", ...}; an example: ticktrue accuracy --example, ticktrue stress --example");
+  if (root.find(other_key) != nullptr)
+    return fail({&path, other_key}, "found a key of " + std::string(reader) + ", expected none",
+                std::string(reader) + " FILE");
+  return true;
+}
+
 bool OwnFileReader::read_texts(const JsonValue& value, const JsonPath& path, std::vector<std::string>& out) {
   if (value.type == JsonValue::Type::text) return read(value, path, out.emplace_back());
   if (value.type == JsonValue::Type::array && value.items.size() > list_count_max)

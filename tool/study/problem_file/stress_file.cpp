@@ -84,7 +84,7 @@ class StressReader final : public OwnFileReader {
         {"methods", texts(out.methods)},
         {"beside", texts(out.beside)},
     };
-    if (!object(root, path, fields)) return false;
+    if (!is_own_kind(root, "observe", "ticktrue accuracy") || !object(root, path, fields)) return false;
     if (!(out.from >= 0 && out.from < out.duration))
       return fail({&path, "from"}, "found " + engine::number_text(out.from) + ", expected 0 or more, below duration");
     if (std::isinf(out.lower) && std::isinf(out.upper))
@@ -150,6 +150,7 @@ Status check_run(const Scene& scene, const Measured& measured, StressReader& rea
   if (!engine) return engine.error();
   Result<Expression> expression = Expression::parse(measured.measure, measured.place, ExpressionNames::world_and_parts);
   if (!expression) return expression.error();
+  if (const Status exists = expression->check_parts(scene, measured.place); !exists) return exists;
   expression->begin(**engine);
   const double value = expression->evaluate(**engine);
   if (std::isfinite(value)) return {};
@@ -157,7 +158,7 @@ Status check_run(const Scene& scene, const Measured& measured, StressReader& rea
                          "bodies.3.x is that of the body with id 3; ids count from 0 in the order of the scene");
 }
 
-/// The name of the method that runs the scene unchanged, in the requested precision.
+/// The name of the method that runs the scene unchanged, apart from a requested precision.
 constexpr std::string_view as_stated = "scene";
 
 Result<std::vector<StressMethod>> methods_of(const StressText& text, const Scene& scene, StressReader& reader) {
@@ -195,9 +196,10 @@ Result<std::vector<StressMethod>> methods_of(const StressText& text, const Scene
 struct VariedScene {
   std::string suffix;
   Scene scene;
+  bool varies_precision = false;
 };
 Result<std::vector<VariedScene>> varied_scenes(const StressText& text, const Scene& scene, const std::string& place) {
-  std::vector<VariedScene> scenes{{"", scene}};
+  std::vector<VariedScene> scenes{{"", scene, false}};
   for (const std::string& vary : text.vary) {
     const Result<VariedKey> varied = parse_varied(vary, place);
     if (!varied) return varied.error();
@@ -206,7 +208,8 @@ Result<std::vector<VariedScene>> varied_scenes(const StressText& text, const Sce
       for (const std::string& value : varied->values) {
         const Result<Scene> changed = scene_with(each.scene, varied->key, value, place);
         if (!changed) return changed.error();
-        more.push_back({each.suffix + " " + varied->key + "=" + value, *changed});
+        const bool varies_precision = each.varies_precision || varied->key == "settings.precision";
+        more.push_back({each.suffix + " " + varied->key + "=" + value, *changed, varies_precision});
         if (more.size() > case_count_max)
           return Error{ErrorCode::usage,
                        place + ": found more than " + std::to_string(case_count_max) + " cases, expected fewer", ""};
@@ -259,6 +262,8 @@ Result<std::vector<StressCase>> read_stress_file(const std::string& path) {
     made.upper = text.upper;
     made.methods = *methods;
     made.is_own = true;
+    made.usual = each.scene.settings.precision;
+    made.varies_precision = each.varies_precision;
     made.run = [measured, own = std::move(each.scene)](const StressMethod& method, Precision precision) {
       Scene run = method.name == as_stated ? own : with_method(own, method);
       run.settings.precision = precision;

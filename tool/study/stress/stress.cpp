@@ -106,7 +106,8 @@ namespace {
 
 // A case with a fixed precision runs once, whatever precisions are requested.
 std::vector<Precision> precisions_of(const StressCase& stress_case, const std::vector<Precision>& wanted) {
-  return stress_case.only ? std::vector<Precision>{*stress_case.only} : wanted;
+  if (stress_case.only) return {*stress_case.only};
+  return wanted.empty() ? std::vector<Precision>{stress_case.usual} : wanted;
 }
 
 }  // namespace
@@ -130,6 +131,10 @@ Result<std::vector<StressRow>> run_stress(const StressOptions& options) {
     if (is_chosen(each.name) && (!each.is_long || options.with_long)) cases.push_back(std::move(each));
 
   cases.insert(cases.end(), options.own.begin(), options.own.end());
+  for (const StressCase& each : options.own)
+    if (each.varies_precision && !options.precisions.empty())
+      return Error{ErrorCode::usage, "stress: " + each.name + ": found --precision beside a file that varies it",
+                   "leave --precision out"};
 
   struct Job {
     std::size_t stress_case;

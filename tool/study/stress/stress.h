@@ -73,8 +73,10 @@ struct StressCase {
   std::string source;      // source of best_known
   bool is_long = false;    // takes minutes: runs only on request
   std::vector<StressMethod> methods;
-  bool is_own = false;                         // of a user's file: a method that is no baseline is never excused
-  std::optional<engine::Precision> only = {};  // the only precision of the case, whatever is requested
+  bool is_own = false;                               // of a user's file: a method that is no baseline is never excused
+  std::optional<engine::Precision> only = {};        // the only precision of the case, whatever is requested
+  engine::Precision usual = engine::Precision::f32;  // the precision of the case if none is requested
+  bool varies_precision = false;                     // refuses a requested precision
   std::vector<StressCure> cures = {};
   std::vector<StressShortfall> shortfalls = {};
   std::function<StressValue(const StressMethod&, engine::Precision)> run;
@@ -108,7 +110,7 @@ void excuse(std::vector<StressRow>& rows, const StressCase& stress_case);
 struct StressOptions {
   std::vector<std::string> names;  // names of cases, or their beginnings; empty: all, unless `own` is not empty
   std::vector<StressCase> own;     // the user's cases, which run as well
-  std::vector<engine::Precision> precisions{engine::Precision::f32};
+  std::vector<engine::Precision> precisions;  // empty: the usual precision of each case
   bool with_long = false;
   unsigned thread_count = 1;
   std::function<void(std::uint64_t done, std::uint64_t total)> progress;  // counts runs; called by one thread at a time
