@@ -24,8 +24,8 @@ constexpr NamedCure named_cures[]{
     {"load_input", "tgs_soft auto", "docs/scenes.md"},
     {"load_ram", "tgs_soft auto", "docs/scenes.md"},
     {"load_pointer", "tgs_soft auto", "docs/scenes.md"},
-    {"load_pusher_5", "tgs_soft auto", "docs/scenes.md"},
-    {"load_pusher_20", "tgs_soft auto", "docs/scenes.md"},
+    {"load_pusher", "tgs_soft auto", "docs/scenes.md"},
+    {"push_", "tgs_soft auto", "docs/scenes.md"},
     {"floating", "tgs_soft auto", "docs/scenes.md"},
     {"pinned", "tgs_soft auto", "docs/scenes.md"},
     {"direct_gain", "velocity_verlet", "docs/physics.md"},
@@ -35,7 +35,6 @@ constexpr NamedCure named_cures[]{
 };
 
 constexpr const char* plate = "what a kinematic plate presses with is no load";
-constexpr const char* plate_measured = "a row has no weight, and gets half the substeps of a stack";
 constexpr const char* pointer = "what a pointer pulls with is no load";
 constexpr const char* coarse = "f32 rounds places far from the origin";
 constexpr const char* whirl = "direct joints lose light links that whirl at 50 rad/s";
@@ -56,7 +55,6 @@ constexpr NamedShortfall named_shortfalls[]{
     {"gain_prismatic", "rk4", drift, 0, 0.012},
     {"load_pointer", "tgs_soft", pointer, 1.2, 2.1e6},
     {"load_pusher", "tgs_soft", plate, 1.2, 250},
-    {"load_pusher_10_100", "tgs_soft auto", plate_measured, 1.2, 2.7},
     {"floating_bolas_50", "tgs_soft direct", whirl, 0, 16},
     {"pinned_bolas_50", "tgs_soft direct", whirl, 0, 16},
     {"far_", "tgs_soft", coarse, 0, 0.04, Precision::f32},

@@ -18,6 +18,7 @@ using engine::Precision;
 using engine::Scene;
 
 constexpr double turn_seconds = 10;
+constexpr double bend = 0.02;  // rad
 
 // Rotates all moving bodies about the origin as one rigid body.
 void spin(Scene& scene, double speed) {
@@ -52,22 +53,29 @@ Scene hub(Precision precision, int rods, double speed, bool is_pinned) {
   return scene;
 }
 
-// Two balls of 10 kg on a chain of six links of 0.5 m and 0.1 kg. If `is_pinned`, a revolute joint holds the middle of
-// the chain.
-Scene bolas(Precision precision, double speed, bool is_pinned) {
+// Two balls of 10 kg on a chain of six links of 0.5 m and 0.1 kg, which bend by turns. If `is_pinned`, a revolute joint
+// holds the middle of the chain.
+Scene bolas(Precision precision, double speed, double bend, bool is_pinned) {
   constexpr int links = 6;
   Scene scene = worlds::empty(precision);
   scene.name = "bolas";
   scene.gravity = {0, 0};
-  scene.bodies.push_back(worlds::weighted(worlds::disc(0.2), {-1.5, 0}, 10));
+  const engine::SinCos turn = engine::sin_cos(bend);
+  const Point half{0.25 * turn.cos, 0.25 * turn.sin};
+  Point end{-links * half.x, 0};
+  scene.bodies.push_back(worlds::weighted(worlds::disc(0.2), end, 10));
   for (std::uint32_t i = 0; i < links; ++i) {
-    scene.bodies.push_back(worlds::weighted(worlds::box(0.25, 0.05), {0.5 * i - 1.25, 0}, 0.1));
+    const double up = i % 2 == 0 ? 1 : -1;
+    Body link = worlds::weighted(worlds::box(0.25, 0.05), {end.x + half.x, end.y + up * half.y}, 0.1);
+    link.angle = up * bend;
+    scene.bodies.push_back(link);
     scene.joints.push_back(worlds::joint(JointKind::revolute, i, i + 1, i == 0 ? Point{} : Point{0.25, 0}, {-0.25, 0}));
+    end = {end.x + 2 * half.x, end.y + 2 * up * half.y};
   }
-  scene.bodies.push_back(worlds::weighted(worlds::disc(0.2), {1.5, 0}, 10));
+  scene.bodies.push_back(worlds::weighted(worlds::disc(0.2), end, 10));
   scene.joints.push_back(worlds::joint(JointKind::revolute, links, links + 1, {0.25, 0}));
   if (is_pinned) {
-    scene.bodies.push_back(worlds::peg({0, 0}));
+    scene.bodies.push_back(worlds::peg({0, 2 * half.y}));
     scene.joints.push_back(worlds::joint(JointKind::revolute, links + 2, links / 2, {}, {0.25, 0}));
   }
   worlds::touch_nothing(scene);
@@ -120,7 +128,12 @@ void add_floating_cases(std::vector<StressCase>& cases) {
       add_pair(cases, name + "bolas_" + plain_number(speed),
                "two balls of 10 kg on a chain of 3 m and 0.6 kg " + where + " turn at " + plain_number(speed) +
                    " rad/s, 10 s",
-               0.4, [=](Precision precision) { return bolas(precision, speed, is_pinned); });
+               0.4, [=](Precision precision) { return bolas(precision, speed, 0, is_pinned); });
+    for (const double speed : {5.0, 20.0, 50.0})
+      add_pair(cases, name + "bent_bolas_" + plain_number(speed),
+               "the same, and the links bend by " + plain_number(bend) + " rad in turns, at " + plain_number(speed) +
+                   " rad/s, 10 s",
+               0.4, [=](Precision precision) { return bolas(precision, speed, bend, is_pinned); });
   }
 }
 

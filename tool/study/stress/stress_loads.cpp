@@ -155,6 +155,38 @@ StressCase lift() {
   return out;
 }
 
+// A kinematic plate pushes a row of boxes over a floor at 1 m/s. All of them have this speed at the start.
+StressCase pushed_row(int count, double last_mass) {
+  StressCase out =
+      make_case("push_" + std::to_string(count) + "_" + plain_number(last_mass),
+                "a kinematic plate pushes " + std::to_string(count) +
+                    " boxes of 1 m and 1 kg over a floor, the last of " + plain_number(last_mass) + " kg, " +
+                    plain_number(load_seconds) + " s: largest speed of a box over that of the plate",
+                "of 1", 0, 1.2, load_methods());
+  out.source = "own";
+  out.run = [=](const StressMethod& method, Precision precision) {
+    Scene scene = worlds::empty(precision);
+    scene.name = "push";
+    scene.bodies.push_back(worlds::body(worlds::box(1, 0.4), {-1, 0.5}, BodyType::kinematic_body));
+    for (int i = 0; i < count; ++i) scene.bodies.push_back(worlds::body(worlds::box(0.5, 0.5), {i + 0.5, 0.5}));
+    scene.bodies.back().mass = engine::ExplicitMass{last_mass, {}, {}};
+    for (engine::Body& body : scene.bodies) body.velocity = {1, 0};
+    scene.bodies.push_back(worlds::body(worlds::box(1000, 1), {0, -1}, BodyType::static_body));
+    for (engine::Body& body : scene.bodies) body.shapes[0].material.friction = 0.5;
+    scene.bodies[0].shapes[0].material.friction = 0;
+    double most = 0;
+    return run_case(
+        with_method(std::move(scene), method), load_seconds,
+        [&most](const Bodies& bodies) {
+          for (const engine::BodyReport& body : bodies)
+            most = std::max(most, std::hypot(body.velocity.x, body.velocity.y));
+          return true;
+        },
+        [&most](const Engine&, const Bodies&, const Bodies&) { return most; });
+  };
+  return out;
+}
+
 }  // namespace
 
 void add_load_cases(std::vector<StressCase>& cases) {
@@ -175,6 +207,8 @@ void add_load_cases(std::vector<StressCase>& cases) {
         };
         cases.push_back(std::move(c));
       }
+  for (const int count : {2, 3, 10})
+    for (const double last_mass : {1.0, 30.0, 1000.0}) cases.push_back(pushed_row(count, last_mass));
   cases.push_back(lift());
 }
 
