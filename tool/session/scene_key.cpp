@@ -117,8 +117,9 @@ void label_keys(std::vector<VariedKey>& keys) {
       return std::any_of(keys.begin(), keys.end(),
                          [&](const VariedKey& other) { return &other != &varied && ends_with(other.key, end); });
     };
+    const auto says_little = [&](const std::string& end) { return is_shared(end) || index_of(end).has_value(); };
     std::size_t begin = varied.key.rfind('.');
-    while (begin != std::string::npos && is_shared(varied.key.substr(begin + 1)))
+    while (begin != std::string::npos && says_little(varied.key.substr(begin + 1)))
       begin = begin == 0 ? std::string::npos : varied.key.rfind('.', begin - 1);
     varied.label = begin == std::string::npos ? varied.key : varied.key.substr(begin + 1);
   }

@@ -25,7 +25,8 @@ struct VariedKey {
 /// Parses "bodies.3.shapes.0.friction=0.1:0.9:9" (nine values from 0.1 to 0.9) or "settings.substeps=1,4,16" (three
 /// values). Messages begin with `option`. Errors: usage.
 Result<VariedKey> parse_varied(const std::string& text, const std::string& option);
-/// Labels each key by its shortest end, in whole parts, that no other key ends with.
+/// Labels each key by its shortest end, in whole parts, that no other key ends with and that does not begin with an
+/// index.
 void label_keys(std::vector<VariedKey>& keys);
 
 }  // namespace ticktrue::verifier
