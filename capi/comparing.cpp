@@ -414,7 +414,7 @@ void Comparing::finish(std::uint64_t ticks_run) {
   else if (!at_end_ && !is_behind_range())
     read_until(ticks_run);
   if (report_.end) set_salvaged(*report_.end, salvaged_from);
-  if (report_.end)
+  if (report_.end && !report_.ticks_recorded)
     report_.ticks_recorded =
         report_.end->tail.ticks_intact - std::min(source_.first_tick(), report_.end->tail.ticks_intact);
   if (report_.ticks_compared > 0 && !changed_ && report_.verdict != Verdict::diverged)
