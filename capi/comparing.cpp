@@ -74,19 +74,19 @@ std::string shown_row(const StateSchema& whole, const Bytes* shown, const std::s
 }  // namespace
 
 Comparing::Comparing(replay::TraceReader reader, std::string file, CompareRange range)
-    : reader_(std::move(reader)),
-      comparer_(reader_.setup().schema),
+    : source_(std::move(reader)),
+      comparer_(source_.setup().schema),
       range_(range),
-      next_(reader_.first_tick()),
-      last_dt_(reader_.setup().dt) {
+      next_(source_.first_tick()),
+      last_dt_(source_.setup().dt) {
   report_.file = std::move(file);
   report_.title = setup().title;
   report_.simulation = setup().simulation;
   report_.mode = "replay";
-  report_.ticks_recorded = reader_.tick_count_hint();
-  if (report_.ticks_recorded) *report_.ticks_recorded -= std::min(reader_.first_tick(), *report_.ticks_recorded);
-  report_.first_tick = std::max(reader_.first_tick(), range_.from);
-  report_.recorded_build = reader_.facts();
+  report_.ticks_recorded = source_.tick_count_hint();
+  if (report_.ticks_recorded) *report_.ticks_recorded -= std::min(source_.first_tick(), *report_.ticks_recorded);
+  report_.first_tick = std::max(source_.first_tick(), range_.from);
+  report_.recorded_build = source_.facts();
   if (std::string about = verifier::bundle_note(setup(), report_.file); !about.empty()) note(about);
 }
 
@@ -114,8 +114,8 @@ bool Comparing::check_identity(const Identity& identity) {
 
 bool Comparing::seek(std::uint64_t tick) {
   if (!has_saves()) return false;
-  for (std::uint64_t wanted = tick; reader_.seek(wanted);) {
-    const auto* checkpoint = std::get_if<replay::CheckpointRecord>(&reader_.next());
+  for (std::uint64_t wanted = tick; source_.seek(wanted);) {
+    const auto* checkpoint = std::get_if<replay::CheckpointRecord>(&source_.next());
     if (checkpoint == nullptr) break;
     if (checkpoint->save) {
       begin_ = verifier::copy_of(*checkpoint);
@@ -131,7 +131,7 @@ bool Comparing::seek(std::uint64_t tick) {
     wanted = checkpoint->tick - 1;
   }
   // The position is unchanged: the records are read again.
-  reader_.rewind();
+  source_.rewind();
   ahead_.clear();
   at_end_ = false;
   return false;
@@ -202,7 +202,7 @@ std::string Comparing::gaps() const {
   auto ranges = counted_;
   std::sort(ranges.begin(), ranges.end());
   std::string text;
-  std::uint64_t expected = std::max(range_.from, reader_.first_tick());
+  std::uint64_t expected = std::max(range_.from, source_.first_tick());
   for (const auto& [first, behind] : ranges) {
     if (first > expected)
       text += (text.empty() ? "" : ", ") + std::to_string(expected) + ".." + std::to_string(first - 1);
@@ -213,7 +213,7 @@ std::string Comparing::gaps() const {
 
 void Comparing::note_floats() {
   std::string recorded;
-  for (const auto& [name, value] : reader_.facts())
+  for (const auto& [name, value] : source_.facts())
     if (name == "floats") recorded = value;
   const std::string here = float_deviation();
   if (recorded != here)
@@ -240,7 +240,7 @@ void Comparing::take_checkpoint(const replay::CheckpointRecord& checkpoint) {
 
 bool Comparing::read_until(std::uint64_t tick) {
   while (!at_end_ && (ahead_.empty() || ahead_.back().tick < tick)) {
-    const replay::TraceReader::Item& item = reader_.next();
+    const replay::TraceReader::Item& item = source_.next();
     if (const auto* checkpoint = std::get_if<replay::CheckpointRecord>(&item)) {
       take_checkpoint(*checkpoint);
       continue;
@@ -253,7 +253,7 @@ bool Comparing::read_until(std::uint64_t tick) {
       continue;
     }
     at_end_ = true;
-    const replay::TraceTail& tail = reader_.tail();
+    const replay::TraceTail& tail = source_.tail();
     report_.end = verifier::TraceEnd{tail, inputs_json(tail.ticks_intact, tail.pending_inputs)};
     if (tail.condition == replay::TraceCondition::complete && tail.end &&
         tail.end->reason == replay::EndReason::non_finite) {
@@ -407,10 +407,16 @@ void Comparing::other_inputs(std::uint64_t tick, const std::string& what) {
 }
 
 void Comparing::finish(std::uint64_t ticks_run) {
-  if (!at_end_ && !is_behind_range()) read_until(ticks_run);
-  if (report_.end)
+  const std::optional<std::uint64_t> salvaged_from = source_.salvaged_from();
+  const bool compared_salvaged = salvaged_from && next_ > *salvaged_from;
+  if (!at_end_ && compared_salvaged)
+    read_until(limits::tick_count_max);  // the checks of records prove no match
+  else if (!at_end_ && !is_behind_range())
+    read_until(ticks_run);
+  if (report_.end) set_salvaged(*report_.end, salvaged_from);
+  if (report_.end && !report_.ticks_recorded)
     report_.ticks_recorded =
-        report_.end->tail.ticks_intact - std::min(reader_.first_tick(), report_.end->tail.ticks_intact);
+        report_.end->tail.ticks_intact - std::min(source_.first_tick(), report_.end->tail.ticks_intact);
   if (report_.ticks_compared > 0 && !changed_ && report_.verdict != Verdict::diverged)
     report_.warnings.push_back("no registered value changed in " + count_text(report_.ticks_compared, "tick") +
                                ": is all of the state registered?");
@@ -432,6 +438,11 @@ void Comparing::finish(std::uint64_t ticks_run) {
   if (tail != nullptr && tail->condition == replay::TraceCondition::damaged) {
     report_.verdict = Verdict::damaged;
     report_.reason = tail->message;
+    if (report_.ticks_compared > 0) {
+      report_.hint =
+          "every tick compared matches; `ticktrue recover` makes a complete trace of what is before the damage";
+      report_.again.push_back("ticktrue recover " + verifier::shell_word(report_.file) + " -o WHOLE.ttr");
+    }
   } else if (!is_behind_range() && (!at_end_ || !ahead_.empty())) {
     report_.reason =
         "the program ended its loop after " + count_text(report_.ticks_compared, "tick") + ", before the trace ends";

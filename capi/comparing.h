@@ -18,6 +18,7 @@
 #include "replay/trace_reader.h"
 #include "verifier/locate/compare_tick.h"
 #include "verifier/report/report.h"
+#include "verifier/verify/trace_source.h"
 
 namespace ticktrue::capi {
 
@@ -48,13 +49,13 @@ class Comparing {
  public:
   Comparing(replay::TraceReader reader, std::string file, CompareRange range);
 
-  const replay::TraceSetup& setup() const { return reader_.setup(); }
+  const replay::TraceSetup& setup() const { return source_.setup(); }
 
   /// Facts about the build of this program.
   void set_facts(replay::BuildFacts facts) { report_.here_build = std::move(facts); }
   /// Whether this program is the one that recorded. False: the report says what differs.
   bool check_identity(const Identity& identity);
-  std::uint64_t first_tick() const { return reader_.first_tick(); }
+  std::uint64_t first_tick() const { return source_.first_tick(); }
   bool has_marks() const { return setup().has(replay::Feature::marks); }
   bool has_saves() const { return setup().has(replay::Feature::saves); }
   void set_mode(const std::string& mode) { report_.mode = mode; }
@@ -116,7 +117,7 @@ class Comparing {
   void note_addresses(const verifier::Divergence& divergence);
   void note_floats();
 
-  replay::TraceReader reader_;
+  verifier::OwnedReaderSource source_;
   verifier::TickComparer comparer_;
   verifier::Report report_;
   CompareRange range_;

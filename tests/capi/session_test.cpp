@@ -11,6 +11,7 @@
 
 #include "include/ticktrue.h"
 #include "tests/capi/session_game.h"
+#include "tests/cli/tool_run.h"
 #include "tests/support/catch.h"
 #include "tests/support/forging.h"
 #include "tests/support/text.h"
@@ -61,6 +62,60 @@ TEST_CASE("a loop that ends before its trace is incomplete, not a match", "[capi
   const Outcome verified = play(options_for(path, TICKTRUE_VERIFY), 49);
   CHECK(verified.exit_code == 3);
   CHECK(contains(verified.report, "ended its loop after 49 ticks"));
+}
+
+TEST_CASE("of a damaged trace a session compares the ticks that can be recovered", "[capi][corruption]") {
+  const TemporaryFolder folder;
+  const std::string path = folder.file("game.ttr");
+  ticktrue_options options = options_for(path, TICKTRUE_RECORD);
+  options.detail = TICKTRUE_DETAIL_ROOT;
+  options.checkpoint_interval = 0;  // one chunk of ticks
+  REQUIRE(play(options, 200).exit_code == 0);
+  const std::vector<char> whole = bytes_of(path);
+  int salvaged_count = 0;
+  for (std::size_t place = whole.size() / 4; place < whole.size(); place += whole.size() / 16 + 11) {
+    std::vector<char> bytes = whole;
+    bytes[place] ^= 1;
+    std::ofstream(path, std::ios::binary).write(bytes.data(), static_cast<std::streamsize>(bytes.size()));
+    const auto recovered = ticktrue::replay::recover_trace(path, folder.file("whole.ttr"), true);
+    REQUIRE(recovered);
+    const Outcome verified = play(options_for(path, TICKTRUE_VERIFY), 200);
+    CAPTURE(place, verified.report);
+    CHECK(verified.exit_code == 4);
+    CHECK(contains(verified.report, "  " + std::to_string(recovered->ticks_written) + " of 200 ticks"));
+    CHECK(contains(verified.report, "ticktrue recover "));
+    if (recovered->ticks_written == recovered->tail.ticks_intact) continue;
+    ++salvaged_count;
+    CHECK(contains(verified.report, "by the checks of their records alone"));
+  }
+  CHECK(salvaged_count > 4);
+}
+
+TEST_CASE("replay and verify of a session's trace refuse with the lines that work, and print nothing else",
+          "[capi][cli][equivalence]") {
+  const TemporaryFolder folder;
+  const std::string path = folder.file("game.ttr");
+  REQUIRE(play(options_for(path, TICKTRUE_RECORD), 20).exit_code == 0);
+  const std::string by_program = "ticktrue verify " + path + " --command './PROGRAM --verify {}'";
+  const auto run = [&](const std::vector<std::string>& words, int exit_code) {
+    const std::string output = folder.file("output");
+    CHECK(test::ToolRun(words, output, {}).wait() == exit_code);
+    return test::text_of(output);
+  };
+  for (const std::vector<std::string>& format : {std::vector<std::string>{}, {"--format", "jsonl"}}) {
+    std::vector<std::string> words{"replay", path};
+    words.insert(words.end(), format.begin(), format.end());
+    const std::string replayed = run(words, 5);
+    CAPTURE(replayed);
+    CHECK(replayed.compare(0, 17, "ticktrue: error: ") == 0);
+    CHECK(contains(replayed, "game.ttr: simulation: found "));
+    CHECK(contains(replayed, ", expected ticktrue.engine\n"));
+    CHECK(contains(replayed, "`ticktrue show " + path + " --ticks 0..9`"));
+    CHECK(contains(replayed, by_program));
+    CHECK_FALSE(contains(replayed, "physics version"));
+  }
+  CHECK(contains(run({"verify", path}, 5), by_program));
+  CHECK(contains(run({"show", path, "--ticks", "0..9"}, 0), "       9  "));
 }
 
 TEST_CASE("a session finds a forged image, cells or checkpoint whose tick has the right hash", "[capi][corruption]") {

@@ -110,6 +110,7 @@ constexpr Elsewhere elsewhere[] = {
     {"tool/session/plugin_session.cpp", "ticktrue recover", "tests/examples/run.sh"},
     {"tool/experiment/shake/launch.cpp", "ticktrue shake",
      "tests/trail/trail_test.py and tests/unsaved/unsaved_test.py run it as trail and unsaved print it"},
+    {"tool/cli/session/replay.cpp", "ticktrue show ", "needs a trace of a session: tests/capi/session_test.cpp"},
     {"verifier/programs/verify_program.cpp", "ticktrue shake", "tests/cli/cases/programs.case runs it"},
     {"capi/comparing.cpp", "ticktrue unsaved", "tests/unsaved/unsaved_test.py runs it as a session prints it"},
     {"capi/peers/bundle.cpp", "ticktrue show", "needs a bundle of two players: tests/examples/run.sh"},

@@ -98,6 +98,57 @@ TEST_CASE("what is recovered around a random hole verifies, and nothing before t
   CHECK(recovered_count > 250);
 }
 
+TEST_CASE("verify compares the ticks that recovery saves, and they are never a match",
+          "[verifier][verify][recover][corruption]") {
+  Random random(11);
+  const TemporaryFolder folder;
+  const std::string input = folder.file("in.ttr");
+  int salvaged_count = 0;
+  for (const std::uint32_t interval : {0u, 40u}) {
+    const Bytes whole = toy_trace_with(toy_setup(3), 300, interval);
+    const std::size_t setup_end = chunk_places(whole)[2].offset;
+    for (int round = 0; round < 60; ++round) {
+      Bytes bytes = whole;
+      const std::size_t place = setup_end + random.below(static_cast<std::uint32_t>(whole.size() - setup_end));
+      bytes[place] ^= static_cast<std::uint8_t>(1 + random.below(255));
+      CAPTURE(interval, round, place);
+      write_file(input, bytes);
+      const auto recovered = replay::recover_trace(input, folder.file("out.ttr"), true);
+      REQUIRE(recovered);
+      for (const bool in_segments : {false, true}) {
+        auto reader = replay::TraceReader::open(input);
+        REQUIRE(reader);
+        VerifyOptions options = verify_options(toy_info);
+        options.in_segments = in_segments;
+        const verifier::Report report = verify(*reader, options);
+        REQUIRE(report.verdict == Verdict::damaged);
+        REQUIRE(report.ticks_compared == recovered->ticks_written);
+        REQUIRE(report.end);
+        REQUIRE(report.end->tail.ticks_intact == recovered->ticks_written);
+        REQUIRE(report.end->salvaged_from.has_value() == (recovered->ticks_written > recovered->tail.ticks_intact));
+        REQUIRE(report.again.size() == (recovered->ticks_written > 0 ? 1 : 0));
+        if (recovered->ticks_written == 0) REQUIRE_FALSE(report.hint.empty());
+      }
+      if (recovered->ticks_written <= recovered->tail.ticks_intact) continue;
+      ++salvaged_count;
+      // Up to a tick of the damaged chunk it is no match either; up to one of a whole chunk it is.
+      const std::uint64_t proven = recovered->tail.ticks_intact;
+      for (const std::uint64_t to : {recovered->ticks_written - 1, proven, proven - 1}) {
+        if (to == proven - 1 && proven == 0) continue;
+        CAPTURE(to);
+        auto reader = replay::TraceReader::open(input);
+        REQUIRE(reader);
+        VerifyOptions options = verify_options(toy_info);
+        options.to = to;
+        const verifier::Report report = verify(*reader, options);
+        REQUIRE(report.ticks_compared == to + 1);
+        REQUIRE(report.verdict == (to < proven ? Verdict::match : Verdict::damaged));
+      }
+    }
+  }
+  CHECK(salvaged_count > 60);
+}
+
 TEST_CASE("of a long chunk that is damaged inside, all but the last three ticks before the damage are recovered",
           "[verifier][recover][corruption]") {
   const Bytes whole = toy_trace(toy_setup(3), 900);

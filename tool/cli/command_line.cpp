@@ -103,6 +103,49 @@ void drop_text_labels(CLI::App& app) {
   }
 }
 
+/// Names that other tools have, and the command that does this here.
+struct OtherName {
+  std::string_view name;
+  std::string_view hint;
+};
+constexpr std::string_view names_the_difference =
+    "`ticktrue verify` names tick and columns of a difference, `report` shows them on a page, `shake` looks for the "
+    "cause";
+constexpr std::string_view reads_a_trace = "`ticktrue show` says what is in a trace, `replay` writes its states";
+constexpr OtherName other_names[] = {
+    {"analyse", names_the_difference},
+    {"analyze", names_the_difference},
+    {"cat", reads_a_trace},
+    {"check", "`ticktrue verify` compares a trace with this build"},
+    {"debug", names_the_difference},
+    {"diagnose", names_the_difference},
+    {"dump", reads_a_trace},
+    {"explain", names_the_difference},
+    {"find", names_the_difference},
+    {"fix", "`ticktrue recover` saves what is intact of a damaged trace"},
+    {"html", "`ticktrue report` writes a page that plays the trace"},
+    {"info", reads_a_trace},
+    {"inspect", reads_a_trace},
+    {"list", "`ticktrue scenes` lists the scenes that are built in"},
+    {"locate", names_the_difference},
+    {"minimise", "`ticktrue reduce` makes a failing session small"},
+    {"minimize", "`ticktrue reduce` makes a failing session small"},
+    {"repair", "`ticktrue recover` saves what is intact of a damaged trace"},
+    {"salvage", "`ticktrue recover` saves what is intact of a damaged trace"},
+    {"shrink", "`ticktrue reduce` makes a failing session small"},
+    {"simulate", "`ticktrue run` simulates a scene, `record` also writes a trace"},
+    {"test", "`ticktrue verify` compares a trace with this build"},
+    {"why", names_the_difference},
+};
+
+/// The next step after a command that does not exist.
+std::string command_hint(const std::string& word, const std::vector<std::string>& names) {
+  for (const OtherName& other : other_names)
+    if (other.name == word) return std::string(other.hint);
+  const std::string nearest = nearest_name(word, names);
+  return nearest.empty() ? "see `ticktrue --help`" : "did you mean " + nearest + "?";
+}
+
 int report_usage(const CLI::App& app, const CLI::ParseError& parse_error, const std::vector<std::string>& words) {
   std::string path;
   const CLI::App* command = selected_command(app, path);
@@ -195,10 +238,9 @@ int parse_and_run(int argc, char** argv) {
   if (words[0].compare(0, 1, "-") != 0) {
     const std::vector<std::string> names = subcommand_names(app);
     if (std::find(names.begin(), names.end(), words[0]) == names.end()) {
-      const std::string nearest = nearest_name(words[0], names);
       return fail_usage(Error{ErrorCode::usage,
                               "command line: found command \"" + words[0] + "\", which does not exist",
-                              nearest.empty() ? "see `ticktrue --help`" : "did you mean " + nearest + "?"});
+                              command_hint(words[0], names)});
     }
   }
   app.parse_complete_callback([&plugin_options, parse_only] {

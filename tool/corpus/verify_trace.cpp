@@ -83,9 +83,7 @@ Report verify_trace(replay::TraceReader& reader, const std::string& file, const 
   if (how.compared != nullptr) options.on_compared = [&how](double time_s) { how.compared->add_tick(time_s); };
   Report report = verify(reader, options);
   set_here(report);
-  if (options.simulation == nullptr && report.hint.empty())
-    report.hint = "this build has " + simulation_names() +
-                  "; a plug-in brings another: --plugin LIB.so; a program that owns its loop verifies itself";
+  if (options.simulation == nullptr && report.hint.empty()) report.hint = other_simulation_hint(file, reader.facts());
   return report;
 }
 

@@ -10,6 +10,7 @@
 #include "base/parallel/jobs.h"
 #include "tool/session/playback.h"
 #include "verifier/locate/schema_difference.h"
+#include "verifier/verify/trace_source.h"
 #include "verifier/verify/verify.h"
 
 namespace ticktrue::play {
@@ -42,8 +43,9 @@ Result<std::unique_ptr<Player>> Player::open(const std::string& path) {
 }
 
 Status Player::read_all() {
+  verifier::ReaderSource source(*reader_);
   while (true) {
-    const replay::TraceReader::Item& item = reader_->next();
+    const replay::TraceReader::Item& item = source.next();
     if (std::holds_alternative<std::monostate>(item)) break;
     if (const auto* checkpoint = std::get_if<replay::CheckpointRecord>(&item)) checkpoints_.push_back(checkpoint->tick);
     const auto* record = std::get_if<replay::TickRecord>(&item);
@@ -56,7 +58,7 @@ Status Player::read_all() {
     input_begin_.push_back(inputs_.size());
     inputs_.insert(inputs_.end(), record->inputs.begin(), record->inputs.end());
   }
-  tail_ = reader_->tail();
+  tail_ = source.tail();
   match_.assign(dt_.size(), Match::unknown);
   if (dt_.empty())
     return Error{

@@ -15,6 +15,7 @@
 #include "tool/drawing/svg.h"
 #include "tool/session/trace_summary.h"
 #include "verifier/report/report.h"
+#include "verifier/verify/trace_source.h"
 
 namespace ticktrue::verifier {
 namespace {
@@ -362,7 +363,7 @@ class AnimationMaker {
     animation_.view = {{view.lower_x, view.lower_y}, {view.upper_x, view.upper_y}};
   }
 
-  replay::TraceReader& reader_;
+  ReaderSource reader_;
   const AnimationOptions& options_;
   InputListing listing_;
   Animation animation_;

@@ -14,6 +14,7 @@
 #include "base/plain_text.h"
 #include "replay/trace_reader.h"
 #include "tool/output/compression.h"
+#include "tool/output/scene_differences.h"
 #include "tool/report_page/animation.h"
 #include "tool/report_page/frame_coding.h"
 #include "tool/report_page/page_parts.h"
@@ -447,6 +448,7 @@ class PageMaker {
   void compare(replay::TraceReader& reader, replay::TraceReader& other) {
     DiffOptions options;
     options.simulation = find_simulation(reader.setup().simulation);
+    options.setup_keys = scene_differences;
     difference_ = diff(reader, other, options);
     if (!report_.divergence && difference_->divergence) data_["focus"] = ticks_done_at(*difference_->divergence);
   }

@@ -9,12 +9,13 @@
 #include "engine/scene/scene_binary.h"
 #include "tool/session/simulations.h"
 #include "verifier/locate/schema_difference.h"
+#include "verifier/verify/trace_source.h"
 
 namespace ticktrue::verifier {
 namespace {
 
 /// Sets the engine to the last checkpoint at or before the tick. If no checkpoint fits, the engine stays at the start.
-void go_to(replay::TraceReader& reader, engine::Engine& engine, std::uint64_t tick) {
+void go_to(TraceSource& reader, engine::Engine& engine, std::uint64_t tick) {
   const bool same_columns = !first_schema_difference(reader.setup().schema, *engine.state().schema, Ranges::inside);
   if (tick > 0 && same_columns && reader.seek(tick)) {
     const auto* checkpoint = std::get_if<replay::CheckpointRecord>(&reader.next());
@@ -32,8 +33,9 @@ Result<engine::Scene> scene_of(const replay::TraceSetup& setup) {
   return engine::decode_scene(setup.setup);
 }
 
-Result<PlaybackResult> play_trace(replay::TraceReader& reader, std::uint64_t first, std::uint64_t last,
+Result<PlaybackResult> play_trace(replay::TraceReader& trace, std::uint64_t first, std::uint64_t last,
                                   const std::function<bool(const engine::Engine& engine, std::uint64_t tick)>& show) {
+  ReaderSource reader(trace);
   const Result<engine::Scene> scene = scene_of(reader.setup());
   if (!scene) return scene.error();
   auto made = engine::make_engine(*scene, engine_options_of_environment());

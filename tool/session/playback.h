@@ -25,7 +25,7 @@ Result<engine::Scene> scene_of(const replay::TraceSetup& setup);
 
 /// Calls `show` with the state after each of the ticks first..last (0 is the first tick). Simulation begins at the last
 /// checkpoint before them. If `show` returns false, playback ends. Errors: those of scene_of and make_engine.
-Result<PlaybackResult> play_trace(replay::TraceReader& reader, std::uint64_t first, std::uint64_t last,
+Result<PlaybackResult> play_trace(replay::TraceReader& trace, std::uint64_t first, std::uint64_t last,
                                   const std::function<bool(const engine::Engine& engine, std::uint64_t tick)>& show);
 
 }  // namespace ticktrue::verifier

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: MIT
 #include "tool/session/simulations.h"
 
+#include <algorithm>
 #include <cstdlib>
 #include <string_view>
 #include <utility>
@@ -85,6 +86,20 @@ std::string simulation_names() {
     text += list[i]->name;
   }
   return text;
+}
+
+std::string other_simulation_hint(const std::string& file, const replay::BuildFacts& facts) {
+  const auto has = [&](std::string_view prefix) {
+    return std::any_of(facts.begin(), facts.end(),
+                       [&](const auto& fact) { return fact.first.substr(0, prefix.size()) == prefix; });
+  };
+  const std::string verify = "verify " + shell_word(file);
+  const std::string by_program = "ticktrue " + verify + " --command './PROGRAM --verify {}'";
+  const std::string by_plugin = "ticktrue --plugin LIB.so " + verify;
+  if (has("plugin.")) return "a plug-in recorded it: " + by_plugin;
+  if (has("program.") || has("caller.")) return "the program that recorded it verifies it: " + by_program;
+  return "this build has " + simulation_names() + ". Of a plug-in: " + by_plugin +
+         ". Of a program that owns its loop: " + by_program;
 }
 
 }  // namespace ticktrue::verifier

@@ -35,4 +35,8 @@ std::string tool_command(std::string_view simulation);
 /// "a, b or c", for error messages.
 std::string simulation_names();
 
+/// What verifies a trace whose simulation this build lacks: a plug-in, or the program that recorded it. `facts`: of the
+/// trace.
+std::string other_simulation_hint(const std::string& file, const replay::BuildFacts& facts);
+
 }  // namespace ticktrue::verifier

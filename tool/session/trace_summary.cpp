@@ -6,6 +6,8 @@
 
 #include "engine/scene/scene_json.h"
 #include "tool/session/playback.h"
+#include "verifier/report/report.h"
+#include "verifier/verify/trace_source.h"
 
 namespace ticktrue::verifier {
 
@@ -43,8 +45,9 @@ bool InputListing::count(ByteView inputs, std::vector<std::uint64_t>& count_of_k
   return true;
 }
 
-TraceSummary summarize(replay::TraceReader& reader, const std::function<void(std::uint64_t, std::uint64_t)>& progress) {
+TraceSummary summarize(replay::TraceReader& trace, const std::function<void(std::uint64_t, std::uint64_t)>& progress) {
   TraceSummary summary;
+  ReaderSource reader(trace);
   InputListing listing(reader.setup());
   std::vector<std::uint64_t> count_of_kind(engine::input_kinds.size());
   bool inputs_are_readable = listing.is_readable();
@@ -56,7 +59,7 @@ TraceSummary summarize(replay::TraceReader& reader, const std::function<void(std
     if (std::holds_alternative<std::monostate>(item)) break;
     const std::uint64_t item_size = reader.offset() > offset ? reader.offset() - offset : 0;
     offset = reader.offset();
-    if (progress) progress(offset, reader.size());
+    if (progress) progress(offset, trace.size());
     if (const auto* tick = std::get_if<replay::TickRecord>(&item)) {
       summary.tick_size += item_size;
       summary.time_s += tick->dt;
@@ -72,9 +75,12 @@ TraceSummary summarize(replay::TraceReader& reader, const std::function<void(std
       if (checkpoint->save) summary.checkpoints.back().save_size = checkpoint->save->size();
     }
   }
-  summary.rest_size = reader.size() > offset ? reader.size() - offset : 0;
+  summary.rest_size = trace.size() > offset ? trace.size() - offset : 0;
   if (inputs_are_readable) summary.inputs = std::move(count_of_kind);
   summary.tail = reader.tail();
+  TraceEnd end{summary.tail, ""};
+  set_salvaged(end, reader.salvaged_from());
+  summary.salvaged_from = end.salvaged_from;
   return summary;
 }
 

@@ -46,6 +46,7 @@ struct CheckpointSummary {
 
 struct TraceSummary {
   replay::TraceTail tail;
+  std::optional<std::uint64_t> salvaged_from;  // as in verifier::TraceEnd
   std::uint64_t tick_count = 0;
   double time_s = 0;
   std::uint64_t input_tick_count = 0;                // ticks that have inputs
@@ -61,6 +62,6 @@ struct TraceSummary {
 };
 
 /// Reads the trace from its start. `progress` (bytes done, bytes in total) may be empty.
-TraceSummary summarize(replay::TraceReader& reader, const std::function<void(std::uint64_t, std::uint64_t)>& progress);
+TraceSummary summarize(replay::TraceReader& trace, const std::function<void(std::uint64_t, std::uint64_t)>& progress);
 
 }  // namespace ticktrue::verifier

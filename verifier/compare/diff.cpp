@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 
+#include "base/count_text.h"
 #include "base/hash.h"
 #include "replay/format/shown_image.h"
 #include "verifier/compare/trace_side.h"
@@ -74,6 +75,7 @@ class Differ {
 
   DiffReport run() {
     comparable_ = compare_setups(setup_a_, setup_b_, report_.setup) == 0;
+    if (options_.setup_keys && setup_a_.setup != setup_b_.setup) add_setup_keys();
     walk();
     finish();
     return std::move(report_);
@@ -82,6 +84,13 @@ class Differ {
  private:
   std::string inputs_text(std::uint64_t tick, ByteView inputs) const {
     return simulation_ ? simulation_->inputs_text(tick, inputs) : "";
+  }
+
+  void add_setup_keys() {
+    SetupKeys keys = options_.setup_keys(setup_a_, setup_b_);
+    const std::uint64_t more = keys.count - keys.first.size();
+    for (SetupDifference& key : keys.first) report_.setup.push_back(std::move(key));
+    if (more > 0) report_.notes.push_back("the setups differ in " + count_text(more, "more key"));
   }
 
   void walk() {
@@ -234,8 +243,8 @@ class Differ {
       report_.notes.push_back("a stored state cannot be read: " + described.error().message);
   }
 
-  /// Requires: both sides have passed the checkpoints with the states after `ticks_done` ticks, if there are any. Rows
-  /// of cells are searched among the rows of the last earlier state that both store.
+  /// Requires: both sides have passed the checkpoints with the states after `ticks_done` ticks, if there are any.
+  /// Rows of cells are searched among the rows of the last earlier state that both store.
   void locate(std::uint64_t ticks_done) {
     Divergence& divergence = *report_.divergence;
     for (const auto& [side, stored] : {std::pair(&a_, &differing_[0]), std::pair(&b_, &differing_[1])})

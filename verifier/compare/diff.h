@@ -75,6 +75,8 @@ struct DiffOptions {
   const SimulationInfo* simulation = nullptr;  // formats inputs as text; may be null
   std::size_t row_count_max = 64;
   std::function<void(std::uint64_t ticks_done)> progress;  // may be empty
+  /// The keys of two setups that differ, where both can be read; may be empty.
+  std::function<SetupKeys(const replay::TraceSetup& a, const replay::TraceSetup& b)> setup_keys;
   /// As in VerifyOptions; empty: only the program that recorded the traces can record again.
   std::string tool = "ticktrue";
 };

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <string>
 #include <vector>
 
@@ -15,6 +16,12 @@ struct SetupDifference {
   std::string what;
   std::string a;
   std::string b;
+};
+
+/// The keys of two setups that differ.
+struct SetupKeys {
+  std::vector<SetupDifference> first;  // the first of them
+  std::uint64_t count = 0;             // of all
 };
 
 /// Appends the differences. Differences that prevent a comparison come first; returns their number.

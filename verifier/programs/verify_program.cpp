@@ -14,6 +14,7 @@
 #include "verifier/programs/command_words.h"
 #include "verifier/programs/program_run.h"
 #include "verifier/report/report_read.h"
+#include "verifier/verify/trace_source.h"
 #include "verifier/verify/verify.h"
 
 namespace ticktrue::verifier {
@@ -187,9 +188,11 @@ class ProgramVerification {
   }
 
   void add_end(Report& report) {
-    reader_.rewind();
-    while (!std::holds_alternative<std::monostate>(reader_.next())) continue;
-    report.end = TraceEnd{reader_.tail(), ""};
+    ReaderSource source(reader_);
+    source.rewind();
+    while (!std::holds_alternative<std::monostate>(source.next())) continue;
+    report.end = TraceEnd{source.tail(), ""};
+    set_salvaged(*report.end, source.salvaged_from());
   }
 
   Judged confirm(const ProgramRun& run, ReadReport read) {

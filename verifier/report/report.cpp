@@ -64,6 +64,11 @@ int Report::exit_code(bool allow_truncated) const {
   return verdict_info(verdict).exit_code;
 }
 
+void set_salvaged(TraceEnd& end, std::optional<std::uint64_t> salvaged_from) {
+  const bool goes_on = salvaged_from && *salvaged_from < end.tail.ticks_intact;
+  if (goes_on && end.tail.condition == replay::TraceCondition::damaged) end.salvaged_from = salvaged_from;
+}
+
 std::string shell_word(const std::string& text) {
   constexpr std::string_view plain = "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_-./:=+,@%";
   if (!text.empty() && text.find_first_not_of(plain) == std::string::npos) return text;

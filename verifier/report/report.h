@@ -185,7 +185,12 @@ struct MarksDifference {
 struct TraceEnd {
   replay::TraceTail tail;
   std::string pending_inputs;  // JSON Lines
+  /// From this tick on, the intact ticks lie in a damaged chunk: the checks of their records prove them. Absent: none
+  /// do.
+  std::optional<std::uint64_t> salvaged_from = std::nullopt;
 };
+/// Sets `salvaged_from`, if the intact ticks go on behind this tick.
+void set_salvaged(TraceEnd& end, std::optional<std::uint64_t> salvaged_from);
 
 /// Another build that verified the same trace, and its result.
 struct OtherBuild {

@@ -208,6 +208,7 @@ Json end_json(const TraceEnd& end) {
   if (tail.condition == replay::TraceCondition::damaged) condition = "damaged";
   Json object = {{"condition", condition}, {"ticks_intact", tail.ticks_intact}};
   object["last_good_tick"] = tail.ticks_intact > 0 ? Json(tail.ticks_intact - 1) : Json(nullptr);
+  if (end.salvaged_from) object["salvaged_from"] = *end.salvaged_from;
   object["reason"] = nullptr;
   object["note"] = "";
   if (tail.end) {

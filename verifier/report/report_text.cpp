@@ -355,6 +355,9 @@ void add_end(const Report& report, Lines& lines) {
                           ? std::string("no tick is intact")
                           : "last good tick " + std::to_string(tail.ticks_intact - 1) + ": ticks 0.." +
                                 std::to_string(tail.ticks_intact - 1) + " are intact");
+  if (report.end->salvaged_from)
+    lines.add("", "ticks " + std::to_string(*report.end->salvaged_from) + ".." + std::to_string(tail.ticks_intact - 1) +
+                      " by the checks of their records alone: their chunk is damaged behind them");
   for (const replay::IntactRange& range : tail.intact_after) lines.add("", "behind the damage: " + range_text(range));
   if (tail.has_pending_inputs) {
     lines.add("pending", "tick " + std::to_string(tail.ticks_intact) + " was in flight, " +

@@ -104,7 +104,7 @@ void fields(Io& io, replay::TraceTail& x) {
 }
 template <typename Io>
 void fields(Io& io, TraceEnd& x) {
-  io(x.tail, x.pending_inputs);
+  io(x.tail, x.pending_inputs, x.salvaged_from);
 }
 template <typename Io>
 void fields(Io& io, OtherBuild& x) {

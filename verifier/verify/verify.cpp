@@ -158,8 +158,11 @@ class Verifier {
     findings_.divergence = std::move(found.divergence);
   }
 
+  /// Whether ticks were compared that only the checks of their records prove: that is never a match.
+  bool compared_salvaged() const { return source_.salvaged_from() && tick_ > *source_.salvaged_from(); }
+
   void read_tail() {
-    if (report_.end || options_.to) return;
+    if (report_.end || (options_.to && !compared_salvaged())) return;
     while (!std::holds_alternative<std::monostate>(source_.next())) {
     }
     report_.end = TraceEnd{source_.tail(), ""};
@@ -466,6 +469,7 @@ class Verifier {
 
   void conclude() {
     read_tail();
+    if (report_.end) set_salvaged(*report_.end, source_.salvaged_from());
     if (!report_.ticks_recorded && report_.end)
       report_.ticks_recorded =
           report_.end->tail.ticks_intact - std::min(source_.first_tick(), report_.end->tail.ticks_intact);
@@ -492,10 +496,15 @@ class Verifier {
     if (tail != nullptr && tail->condition == TraceCondition::damaged) {
       findings_.verdict = Verdict::damaged;
       findings_.reason = tail->message;
-      if (any)
-        findings_.hint = "ticks " + std::to_string(std::max(source_.first_tick(), options_.from)) + ".." +
-                         std::to_string(tick_ - 1) + " are intact and match: verify them alone with --to " +
-                         std::to_string(tick_ - 1);
+      const std::string ticks = any ? "ticks " + std::to_string(std::max(source_.first_tick(), options_.from)) + ".." +
+                                          std::to_string(tick_ - 1)
+                                    : "";
+      if (compared_salvaged())
+        findings_.hint = ticks + " match: `ticktrue recover` makes a complete trace of what is before the damage";
+      else if (any)
+        findings_.hint = ticks + " are intact and match: verify them alone with --to " + std::to_string(tick_ - 1);
+      else if (tail->ticks_intact <= source_.first_tick())
+        findings_.hint = "copy the file anew from where it was recorded: nothing can be recovered from this one";
     } else if (tail != nullptr && tail->condition == TraceCondition::truncated) {
       findings_.verdict = Verdict::incomplete;
       findings_.reason = tail->message;
@@ -533,8 +542,9 @@ void suggest(const replay::TraceSetup& setup, const VerifyOptions& options, Repo
   const std::string verify_command = options.tool + " verify " + file;
   if (report.verdict == Verdict::not_reproducible && options.mode != VerifyMode::twice)
     report.again.push_back(verify_command + " --mode twice");
-  if (report.verdict == Verdict::incomplete && report.end &&
-      report.end->tail.condition == replay::TraceCondition::truncated)
+  if (report.end && report.ticks_compared > 0 &&
+      ((report.verdict == Verdict::incomplete && report.end->tail.condition == TraceCondition::truncated) ||
+       report.verdict == Verdict::damaged))
     report.again.push_back("ticktrue recover " + file + " -o WHOLE.ttr");
   const bool is_incomplete = report.verdict == Verdict::state_incomplete;
   if ((report.verdict != Verdict::diverged && !is_incomplete) || !report.divergence) return;

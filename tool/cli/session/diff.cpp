@@ -8,6 +8,7 @@
 
 #include "tool/cli/commands.h"
 #include "tool/output/progress.h"
+#include "tool/output/scene_differences.h"
 #include "tool/session/simulations.h"
 #include "verifier/compare/many/diff_many.h"
 
@@ -32,6 +33,7 @@ verifier::DiffOptions options_for(const replay::TraceReader& reader, Progress& p
   verifier::DiffOptions options;
   options.simulation = verifier::find_simulation(reader.setup().simulation);
   options.tool = options.simulation == nullptr ? "" : verifier::tool_command(options.simulation->name);
+  options.setup_keys = verifier::scene_differences;
   options.progress = [&](std::uint64_t ticks_done) { progress.update(ticks_done); };
   return options;
 }

@@ -49,13 +49,20 @@ std::string own_program() {
   return failed ? std::string() : path.string();
 }
 
-std::string shim_path() {
+void set_shim(shake::LaunchOptions& launch) {
+  const std::string name = "libticktrue_shim.so";
+  std::string searched;
   for (const char* folder : {"", "/../lib", "/../lib/x86_64-linux-gnu", "/../lib/aarch64-linux-gnu", "/../lib64"}) {
     std::error_code failed;
-    const fs::path path = fs::canonical(own_folder() + folder + "/libticktrue_shim.so", failed);
-    if (!failed) return path.string();
+    const fs::path place = fs::path(own_folder() + folder).lexically_normal();
+    const fs::path path = fs::canonical(place / name, failed);
+    if (!failed) {
+      launch.shim_path = path.string();
+      return;
+    }
+    searched += (searched.empty() ? "" : ", ") + place.string();
   }
-  return "";
+  launch.no_shim = "preload library: found none, expected " + name + " in " + searched;
 }
 
 void add_program_words(CLI::App& command, ProgramOptions& options) {
@@ -83,7 +90,7 @@ Result<ProgramRun> prepare_run(const std::string& command, const ProgramOptions&
   if (!folder) return folder.error();
   ProgramRun run{trace, words_with_trace(options.words, trace), std::move(*folder), {}};
   run.launch.folder = run.folder.path();
-  run.launch.shim_path = shim_path();
+  set_shim(run.launch);
   run.launch.time_s = static_cast<double>(options.timeout_s);
   catch_stop_signals();
   return run;

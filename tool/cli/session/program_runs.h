@@ -19,8 +19,8 @@ namespace ticktrue::cli {
 /// The path of this tool; empty where the system does not say.
 std::string own_program();
 
-/// The preload library of this build or installation; empty: there is none.
-std::string shim_path();
+/// Sets the preload library of this build or installation, or the text that says where it was searched.
+void set_shim(shake::LaunchOptions& launch);
 
 /// What `trail` and `unsaved` take alike.
 struct ProgramOptions {

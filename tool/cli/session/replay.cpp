@@ -265,6 +265,13 @@ int run_replay(const ReplayOptions& options) {
                               "it goes to standard output"});
     return replay_plugin(*reader, range.first, range.last, options.every, options.format == "jsonl");
   }
+  if (reader->setup().simulation != engine::simulation_name)
+    return fail(Error{ErrorCode::unsupported,
+                      options.file + ": simulation: found " + reader->setup().simulation + ", expected " +
+                          verifier::simulation_names(),
+                      "`ticktrue show " + verifier::shell_word(options.file) +
+                          " --ticks 0..9` lists hashes and inputs; " +
+                          verifier::other_simulation_hint(options.file, reader->facts())});
   if (reader->setup().physics_version != engine::physics_version)
     print_warning(options.file + ": physics version: found " + std::to_string(reader->setup().physics_version) +
                   ", expected " + std::to_string(engine::physics_version) + "; the states shown are this build's");

@@ -36,7 +36,7 @@ verifier::Report verify_for_page(const ReportCommand& command) {
   verifier::Report report = verifier::verify(*reader, options);
   progress.finish();
   if (options.simulation == nullptr && report.hint.empty())
-    report.hint = "this build has " + verifier::simulation_names() + "; a plug-in brings another: --plugin LIB.so";
+    report.hint = verifier::other_simulation_hint(command.file, reader->facts());
   return report;
 }
 

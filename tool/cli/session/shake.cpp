@@ -197,7 +197,7 @@ int run_shake_command(const ShakeCommand& command) {
   shake::ShakeOptions options;
   options.launch.words = words_with_trace(found->words, found->trace);
   options.launch.folder = folder->path();
-  options.launch.shim_path = shim_path();
+  set_shim(options.launch);
   options.launch.time_s = static_cast<double>(command.timeout_s);
   options.choices = *choices;
   options.seed_count = static_cast<unsigned>(command.seed_count);

@@ -16,6 +16,7 @@
 #include "tool/session/trace_summary.h"
 #include "verifier/peers/bundle.h"
 #include "verifier/report/fact_differences.h"
+#include "verifier/verify/trace_source.h"
 
 namespace ticktrue::cli {
 namespace {
@@ -47,7 +48,7 @@ void print_listing_end(const ShowOptions& options, const replay::TraceTail& tail
                 "; listed up to tick " + std::to_string(tail.ticks_intact));
 }
 
-int list_inputs(replay::TraceReader& reader, const ShowOptions& options, const TickRange& range) {
+int list_inputs(verifier::TraceSource& reader, const ShowOptions& options, const TickRange& range) {
   verifier::InputListing listing(reader.setup());
   std::uint64_t tick_count = 0;
   bool has_own_dt = false;
@@ -98,7 +99,7 @@ void print_shown(const StateSchema& whole, ByteView shown, const std::string& wh
 }
 
 /// The shown values of checkpoints and of ticks stored in full.
-int list_shown(replay::TraceReader& reader, const ShowOptions& options, const TickRange& range) {
+int list_shown(verifier::TraceSource& reader, const ShowOptions& options, const TickRange& range) {
   if (!reader.setup().whole_schema) {
     print_note(options.file + ": has no shown columns");
     return exit_ok;
@@ -149,7 +150,7 @@ void print_notes(std::uint64_t tick, const std::vector<replay::Note>& notes) {
 }
 
 /// Marks or notes of each tick, or both.
-int list_bound(replay::TraceReader& reader, const ShowOptions& options, const TickRange& range) {
+int list_bound(verifier::TraceSource& reader, const ShowOptions& options, const TickRange& range) {
   while (output_is_open()) {
     const replay::TraceReader::Item& item = reader.next();
     if (std::holds_alternative<std::monostate>(item)) break;
@@ -167,7 +168,7 @@ int list_bound(replay::TraceReader& reader, const ShowOptions& options, const Ti
   return exit_code_of_condition(tail.condition);
 }
 
-int list_ticks(replay::TraceReader& reader, const ShowOptions& options, const TickRange& range) {
+int list_ticks(verifier::TraceSource& reader, const ShowOptions& options, const TickRange& range) {
   verifier::InputListing listing(reader.setup());
   double time_s = 0;
   if (!options.json) print("    tick      time_s  hash              inputs\n");
@@ -287,6 +288,7 @@ void print_summary_json(replay::TraceReader& reader, const ShowOptions& options,
                      {"note", summary.tail.end->note}};
   if (const auto bundle = read_bundle(reader)) object["peers"] = peers_json(reader, *bundle);
   object["pending_inputs"] = summary.tail.has_pending_inputs;
+  if (summary.salvaged_from) object["salvaged_from"] = *summary.salvaged_from;
   object["intact_after"] = Json::array();
   for (const replay::IntactRange& range : summary.tail.intact_after)
     object["intact_after"].push_back(
@@ -337,11 +339,28 @@ std::string saves_line(const verifier::TraceSummary& summary) {
   return fmt::format("  saves       {}, {} bytes\n", count, size);
 }
 
+/// "300"; of a trace that is not whole "106 of 300", if its end is known.
+std::string ticks_line(const replay::TraceReader& reader, const verifier::TraceSummary& summary) {
+  const std::string count = std::to_string(summary.tick_count);
+  const std::uint64_t recorded = reader.tick_count_hint().value_or(0);
+  if (summary.tail.condition == replay::TraceCondition::complete || recorded <= reader.first_tick()) return count;
+  return count + " of " + std::to_string(recorded - reader.first_tick());
+}
+
+std::string hash_line(const replay::TraceReader& reader, const verifier::TraceSummary& summary) {
+  if (summary.tick_count == 0 && summary.checkpoints.empty()) return "not known: no state can be read";
+  const std::string hash = hex64(summary.last_root_hash);
+  if (summary.tick_count == 0) return hash + " before the first tick";
+  if (summary.tail.condition == replay::TraceCondition::complete) return hash + " after the last tick";
+  return hash + " after tick " + std::to_string(reader.first_tick() + summary.tick_count - 1) +
+         ", the last that can be read";
+}
+
 void print_summary_text(replay::TraceReader& reader, const ShowOptions& options,
                         const verifier::TraceSummary& summary) {
   const replay::TraceSetup& setup = reader.setup();
   print(fmt::format("{}  {}  {} ticks ({:.3f} s)\n", plain_line(options.file), plain_line(setup.title),
-                    summary.tick_count, summary.time_s));
+                    ticks_line(reader, summary), summary.time_s));
   if (reader.first_tick() > 0) print(fmt::format("  begins at   tick {}\n", reader.first_tick()));
   std::string condition(condition_name(summary.tail.condition));
   if (summary.tail.end) {
@@ -353,15 +372,20 @@ void print_summary_text(replay::TraceReader& reader, const ShowOptions& options,
   print(fmt::format("  condition   {}\n", condition));
   if (summary.tail.has_pending_inputs)
     print(fmt::format("              inputs of tick {} were written, its result was not\n", summary.tail.ticks_intact));
+  if (summary.salvaged_from)
+    print(fmt::format("              ticks {}..{} by the checks of their records alone: their chunk is damaged\n",
+                      *summary.salvaged_from, summary.tail.ticks_intact - 1));
   for (const replay::IntactRange& range : summary.tail.intact_after)
     print(fmt::format("              behind the damage intact: {}\n", intact_range_text(range)));
   print(fmt::format("  simulation  {}, physics version {}\n", plain_line(setup.simulation), setup.physics_version));
   print(fmt::format("  dt          {} s\n", setup.dt));
   print(fmt::format("  detail      {}\n", detail_text(setup)));
   print(fmt::format("  inputs      {}\n", inputs_line(summary)));
-  print(fmt::format("  hash        {} after the last tick\n", hex64(summary.last_root_hash)));
-  print(fmt::format("  bytes       {}: setup {}, checkpoints {}, ticks {}, rest {}\n", reader.size(),
-                    summary.setup_size, summary.checkpoint_size, summary.tick_size, summary.rest_size));
+  print(fmt::format("  hash        {}\n", hash_line(reader, summary)));
+  const bool is_read_whole = summary.tail.condition == replay::TraceCondition::complete;
+  print(fmt::format("  bytes       {}: setup {}, checkpoints {}, ticks {}, {} {}\n", reader.size(), summary.setup_size,
+                    summary.checkpoint_size, summary.tick_size, is_read_whole ? "rest" : "rest or not readable",
+                    summary.rest_size));
   print_build(reader.facts());
   print(fmt::format("  checkpoints {}", summary.checkpoints.size()));
   print(setup.checkpoint_interval > 0 ? fmt::format(", every {} ticks\n", setup.checkpoint_interval) : "\n");
@@ -394,10 +418,11 @@ int run_show(const ShowOptions& options) {
   if (!options.ticks.empty())
     if (const Status known = check_tick("--ticks", last_asked, reader->tick_count_hint()); !known)
       return fail_usage(known.error());
-  if (options.inputs) return list_inputs(*reader, options, range);
-  if (options.shown) return list_shown(*reader, options, range);
-  if (options.marks || options.notes) return list_bound(*reader, options, range);
-  if (!options.ticks.empty()) return list_ticks(*reader, options, range);
+  verifier::ReaderSource source(*reader);
+  if (options.inputs) return list_inputs(source, options, range);
+  if (options.shown) return list_shown(source, options, range);
+  if (options.marks || options.notes) return list_bound(source, options, range);
+  if (!options.ticks.empty()) return list_ticks(source, options, range);
 
   Progress progress("read " + options.file, 0, "bytes");
   const verifier::TraceSummary summary =

@@ -50,6 +50,7 @@ struct LaunchOptions {
   std::vector<std::string> words;  // the program and its arguments
   std::string folder;              // for the files of runs
   std::string shim_path;           // empty: no preload library
+  std::string no_shim;             // then: which file was searched for, and where
   double time_s = 60;              // limit of one run
 };
 

@@ -43,7 +43,7 @@ class Shaking {
         return std::any_of(options_.choices.begin(), options_.choices.end(),
                            [&](const Choice& choice) { return choice.perturbation->name == name; });
       });
-      facts_.no_shim = no_shim_;
+      facts_.no_shim = report_.no_shim = no_shim_;
       facts_.control = report_.control_with_shim.empty() ? report_.control.front() : report_.control_with_shim.front();
       if (const Status status = rebuild(); !status) return status.error();
       if (const Status status = report_.repeats ? run_rows() : find_fix(); !status) return status.error();
@@ -133,7 +133,7 @@ class Shaking {
     }
     baseline_ = signature(report_.control.front());
     report_.repeats = is_control_equal();
-    no_shim_ = "the preload library is not installed beside ticktrue";
+    no_shim_ = options_.launch.no_shim;
     if (!launcher_.has_shim()) return {};
     if (const Status status = add(idle, report_.control_with_shim); !status) return status;
     const Outcome& outcome = report_.control_with_shim.front();
@@ -444,8 +444,10 @@ class Shaking {
     std::vector<const Perturbation*> sources;
     for (const Choice& choice : options_.choices) {
       const Perturbation& row = *choice.perturbation;
-      if (row.fix == nullptr || !row.missing(facts_).empty()) continue;
-      sources.push_back(&row);
+      if (row.fix == nullptr) continue;
+      const std::string missing_here = row.missing(facts_);
+      if (missing_here.empty()) sources.push_back(&row);
+      if (!no_shim_.empty() && missing_here == no_shim_) report_.fix.not_tried.emplace_back(row.name);
     }
     for (const Perturbation* source : sources) {
       if (!goes_on()) return {};

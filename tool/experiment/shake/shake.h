@@ -53,6 +53,7 @@ struct FixResult {
   std::vector<std::string> mends;
   std::optional<Cause> cause;
   bool is_found = false;
+  std::vector<std::string> not_tried;  // sources that only the preload library can fix, where it cannot be used
 };
 
 struct ShakeReport {
@@ -60,6 +61,7 @@ struct ShakeReport {
   std::vector<Outcome> control_with_shim;
   bool repeats = false;  // the control runs are equal
   std::string failure;   // why nothing could be examined; empty: examined
+  std::string no_shim;   // why the preload library cannot be used; empty: usable
   std::vector<RowResult> rows;
   std::vector<std::string> together;  // perturbations that only move the program together
   Outcome together_outcome;

@@ -97,19 +97,28 @@ std::string control_text(const ShakeReport& report) {
   return text + "\n";
 }
 
+/// The sources that could not be fixed, and why.
+std::string not_tried_text(const ShakeReport& report) {
+  if (report.fix.not_tried.empty()) return "";
+  return list_text("not tried", report.fix.not_tried) + "  " + padded("", name_width) + plain_line(report.no_shim) +
+         "\n";
+}
+
 std::string fix_text(const ShakeReport& report) {
   const std::string indent = "  " + padded("", name_width);
   if (!report.fix.is_found) {
     std::string text = "  " + padded("cause", name_width) + "not found: nothing that can be held still is enough\n";
     for (const std::string& place : report.instructions)
       text += indent + "the program has " + place + ", which no library stands in front of\n";
-    return text;
+    return text + not_tried_text(report);
   }
   std::string names;
   for (const std::string& name : report.fix.names) names += (names.empty() ? "" : " and ") + name;
-  std::string text = "  " + padded("cause", name_width) + names + ": held still, the program repeats itself\n";
+  const char* certainty = report.fix.not_tried.empty() ? "" : "not certain: ";
+  std::string text =
+      "  " + padded("cause", name_width) + certainty + names + ": held still, the program repeats itself\n";
   if (report.fix.cause) text += indent + report.fix.cause->text() + "\n";
-  return text;
+  return text + not_tried_text(report);
 }
 
 /// The perturbations that do not apply, by reason.
@@ -129,9 +138,23 @@ std::string reasons_text(const ShakeReport& report) {
   return text;
 }
 
+/// Whether something else may be the cause that only the preload library can change.
+bool leaves_causes_open(const ShakeReport& report) {
+  if (!report.repeats) return !report.fix.not_tried.empty();
+  const auto is_untried = [&](const RowResult& row) {
+    return row.state == RowState::not_applicable && row.reason == report.no_shim;
+  };
+  return report.moved_count(Kind::a) > 0 && std::any_of(report.rows.begin(), report.rows.end(), is_untried);
+}
+
 /// One next step for each cause.
 std::vector<std::string> next_steps(const ShakeReport& report) {
-  std::vector<std::string> steps = report.fix.mends;
+  std::vector<std::string> steps;
+  if (leaves_causes_open(report))
+    steps.emplace_back("shake again where the preload library loads: what was not tried may be the cause");
+  for (std::size_t i = 0; i < report.fix.mends.size(); ++i)
+    steps.push_back((report.fix.not_tried.empty() ? "" : "if the cause is " + report.fix.names[i] + ": ") +
+                    report.fix.mends[i]);
   for (const RowResult& row : report.rows)
     if (row.state == RowState::moved && row.choice.perturbation->kind != Kind::c)
       steps.emplace_back(row.choice.perturbation->mend);
@@ -295,6 +318,8 @@ std::string shake_json(const ShakeReport& report, const ShakeSubject& subject) {
   for (const Outcome& outcome : report.control) object["control"].push_back(outcome_json(outcome));
   object["repeats"] = report.repeats;
   object["fixed_by"] = report.fix.names;
+  object["not_tried"] = report.fix.not_tried;
+  object["not_tried_reason"] = report.fix.not_tried.empty() ? "" : report.no_shim;
   object["fixed_call"] = cause_json(report.fix.cause);
   object["instructions"] = report.instructions;
   object["together"] = report.together;
@@ -326,7 +351,8 @@ bool is_failure(const RowResult& row, const ShakeSubject& subject) {
 
 std::string unstable_text(const ShakeReport& report) {
   std::string text = "the program does not repeat itself";
-  for (const std::string& name : report.fix.names) text += "; cause: " + name;
+  const char* label = report.fix.not_tried.empty() ? "; cause: " : "; cause, not certain: ";
+  for (const std::string& name : report.fix.names) text += label + name;
   if (report.fix.cause && report.fix.cause->failure.empty()) text += ", " + report.fix.cause->text();
   return text;
 }

@@ -191,7 +191,8 @@ const char* name_of(TrailVerdict verdict) {
 
 Result<TrailReport> run_trail(const TrailOptions& options) {
   if (!options.calls.empty() && options.launch.shim_path.empty())
-    return refused("--calls: found no preload library beside this tool", "it is built on GNU/Linux alone");
+    return refused("--calls: " + options.launch.no_shim,
+                   "it is built beside this tool, on GNU/Linux alone: copy it from that build or package");
   TrailReport report;
   TickMap there;
   if (options.against.empty()) {

@@ -154,7 +154,8 @@ const char* name_of(UnsavedVerdict verdict) {
 
 Result<UnsavedReport> run_unsaved(const UnsavedOptions& options) {
   if (options.launch.shim_path.empty())
-    return refused("unsaved: found no preload library beside this tool", "it is built on GNU/Linux alone");
+    return refused("unsaved: " + options.launch.no_shim,
+                   "it is built beside this tool, on GNU/Linux alone: copy it from that build or package");
   const std::string path = options.launch.folder + "/unsaved.json";
   shake::Conditions conditions;
   conditions.settings.heap_kept = 1;
