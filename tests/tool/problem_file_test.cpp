@@ -207,7 +207,7 @@ TEST_CASE("what a problem file cannot mean is refused with its place", "[verifie
       {"{", "JSON"},
       {thrown(R"(, "slpoe": 1)"), "unknown key: found \"slpoe\""},
       {R"({"scene": "projectile?solver=tgs_soft", "observe": "bodies.0.x", "exact": "t"})", "duration: missing"},
-      {thrown("", R"("scale": 1)"), "found neither exact and reference"},
+      {thrown("", R"("scale": 1)"), "found neither exact nor reference"},
       {thrown("", R"("exact": "3*t")"), "exact: found 1 expressions, expected 2"},
       {thrown("", R"("exact": ["3*t", "7*u"])"), "exact: \"7*u\""},
       {thrown("", R"("exact": ["0", "0"])"), "scale: found none"},
@@ -368,7 +368,8 @@ TEST_CASE("a stress file that cannot be meant is refused with its place", "[veri
       {R"({"scene": "stack?boxes=2", "duration": 1, "measure": "overlapp", "upper": 1})", "measure"},
       {R"({"scene": "stack?boxes=2", "duration": 0, "measure": "overlap", "upper": 1})", "duration: found 0"},
       {R"({"scene": "stack?boxes=2", "duration": 1e300, "measure": "overlap", "upper": 1})", "duration: found 1e+300"},
-      {R"({"scene": "stack?boxes=2", "duration": 1, "measure": "bodies.9.x", "upper": 1})", "measure: found nan"},
+      {R"({"scene": "stack?boxes=2", "duration": 1, "measure": "bodies.9.x", "upper": 1})",
+       "measure: bodies.9.x: found no body 9"},
       {R"({"scene": "stak", "duration": 1, "measure": "overlap", "upper": 1})", "stak"},
       {R"({"scene": 5, "duration": 1, "measure": "overlap", "upper": 1})", "scene: found 5"},
   };
