@@ -214,7 +214,7 @@ expect 5 "schema: balls.padding" ./lockstep --verify lockstep.ttr --bug padding
 expect 0 "recorded" ./lockstep --record pointer.ttr --bug pointer
 expect 0 "recorded" ./lockstep --record padding.ttr --bug padding
 expect 5 "simulation lockstep-example is not available" "$tool" verify lockstep.ttr
-expect 5 "--plugin LIB.so" "$tool" verify lockstep.ttr
+expect 5 "--command './PROGRAM --verify {}'" "$tool" verify lockstep.ttr
 expect 0 "condition   complete" "$tool" show lockstep.ttr
 expect 5 "recorded with lockstep-example, this program is rollback-example" ./rollback --verify lockstep.ttr
 # Addresses differ from run to run; where the system does not move them, there is nothing to see.

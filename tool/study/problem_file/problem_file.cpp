@@ -87,7 +87,8 @@ class ProblemReader final : public OwnFileReader {
            return list(v, p, out.bars, [&](const auto& e, const auto& q, Bar& bar) { return read_bar(e, q, bar); });
          }},
     };
-    if (!is_own_kind(root, "measure", "ticktrue stress") || !object(root, path, fields)) return false;
+    if (!is_own_kind(root, "ticktrue accuracy", "measure", "ticktrue stress") || !object(root, path, fields))
+      return false;
     if (out.observe.empty()) return fail({&path, "observe"}, "found nothing, expected an expression");
     if (out.exact.empty() == out.reference.empty())
       return fail(path, std::string("found ") + (out.exact.empty() ? "neither exact nor" : "both exact and") +

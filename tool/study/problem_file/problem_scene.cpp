@@ -30,16 +30,15 @@ bool OwnFileReader::positive(const JsonValue& value, const JsonPath& path, doubl
   return out > 0 || fail(path, "found " + engine::number_text(out) + ", expected a number above 0");
 }
 
-bool OwnFileReader::is_own_kind(const JsonValue& root, std::string_view other_key, std::string_view reader) {
+bool OwnFileReader::is_own_kind(const JsonValue& root, const std::string& own_command, std::string_view other_key,
+                                const std::string& other_command) {
   const JsonPath path;
   if (root.type != JsonValue::Type::object) return true;
   if (root.find("bodies") != nullptr && root.find("scene") == nullptr)
-    return fail(
-        path, "found a scene, expected a file that names one",
-        "{\"scene\": \"this_file.json\", ...}; an example: ticktrue accuracy --example, ticktrue stress --example");
+    return fail(path, "found a scene, expected a file that names one",
+                own_command + " --example prints one: the scene stands under \"scene\"");
   if (root.find(other_key) != nullptr)
-    return fail({&path, other_key}, "found a key of " + std::string(reader) + ", expected none",
-                std::string(reader) + " FILE");
+    return fail({&path, other_key}, "found a key of " + other_command + ", expected none", other_command + " FILE");
   return true;
 }
 

@@ -24,8 +24,9 @@ class OwnFileReader : public engine::JsonReader {
 
  protected:
   bool positive(const engine::JsonValue& value, const engine::JsonPath& path, double& out);
-  /// Refuses a file of another kind: a scene, or one with this key, which the command `reader` reads.
-  bool is_own_kind(const engine::JsonValue& root, std::string_view other_key, std::string_view reader);
+  /// Refuses a scene, and a file with this key, which another command reads.
+  bool is_own_kind(const engine::JsonValue& root, const std::string& own_command, std::string_view other_key,
+                   const std::string& other_command);
   /// Reads one text, or several.
   bool read_texts(const engine::JsonValue& value, const engine::JsonPath& path, std::vector<std::string>& out);
 };

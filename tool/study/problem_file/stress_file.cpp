@@ -84,7 +84,8 @@ class StressReader final : public OwnFileReader {
         {"methods", texts(out.methods)},
         {"beside", texts(out.beside)},
     };
-    if (!is_own_kind(root, "observe", "ticktrue accuracy") || !object(root, path, fields)) return false;
+    if (!is_own_kind(root, "ticktrue stress", "observe", "ticktrue accuracy") || !object(root, path, fields))
+      return false;
     if (!(out.from >= 0 && out.from < out.duration))
       return fail({&path, "from"}, "found " + engine::number_text(out.from) + ", expected 0 or more, below duration");
     if (std::isinf(out.lower) && std::isinf(out.upper))
