@@ -1,9 +1,9 @@
 // The loads of what kinematic bodies push before them.
 // SPDX-License-Identifier: MIT
 //
-// A plate that pushes a row over a floor loads the row by the friction of all that is ahead, and by what brings it to
-// the speed of the plate. Weights do not show these loads, and measured loads show them late: the first bodies overlap
-// meanwhile, and the substeps that are added then push them apart.
+// A plate that pushes a row over a floor loads the row. The load is the friction of all that is ahead, the known forces
+// on it, and what brings it to the speed of the plate. Weights do not show these loads, and measured loads show them
+// late: the first bodies overlap meanwhile, and the substeps that are added then push them apart.
 #include "engine/islands/pushes.h"
 
 #include "engine/islands/supports.h"

@@ -35,8 +35,8 @@ std::string tool_command(std::string_view simulation);
 /// "a, b or c", for error messages.
 std::string simulation_names();
 
-/// What verifies a trace whose simulation this build lacks: a plug-in, or the program that recorded it. `facts`: of the
-/// trace.
+/// Names the command that verifies a trace of a simulation that this build lacks: with the plug-in, or by the program
+/// that recorded the trace. `facts`: of the trace.
 std::string other_simulation_hint(const std::string& file, const replay::BuildFacts& facts);
 
 }  // namespace ticktrue::verifier

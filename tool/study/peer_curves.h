@@ -34,7 +34,7 @@ struct PeerPoint {
   SampleSpread time_ms;  // per tick
 };
 
-/// What is asked at one setting of Box2D.
+/// The bar beside one setting of Box2D.
 struct PeerBar {
   std::string setting;
   double ratio = 0;  // the least error here within its time, over its error; infinite if nothing here is as quick

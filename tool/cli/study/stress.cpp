@@ -327,7 +327,7 @@ std::vector<engine::Precision> precisions_of(const StressCommand& command) {
   return precisions;
 }
 
-/// Those of --precision; without it f32.
+/// The precisions of --precision. Without the option: f32 alone.
 std::vector<engine::Precision> precisions_or_f32(const StressCommand& command) {
   const std::vector<engine::Precision> precisions = precisions_of(command);
   return precisions.empty() ? std::vector{engine::Precision::f32} : precisions;
