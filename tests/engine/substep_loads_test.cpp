@@ -154,6 +154,7 @@ Scene bolas(double speed, double bend, Precision precision) {
   Scene scene = empty_scene(precision);
   scene.gravity = {0, 0};
   measure_loads(scene);
+  scene.settings.joints = engine::JointSolverKind::direct;
   Point at{-0.25 * link_count * std::cos(bend), 0};
   const auto add = [&](const engine::Shape& shape, double mass, double inertia, Point position, double angle) {
     Body body = body_of(shape, position);
@@ -289,8 +290,8 @@ TEST_CASE("a plate that pushes a row over a floor throws no body", "[engine][isl
           for (const engine::ContactReport& contact : engine->contacts())
             for (int k = 0; k < contact.point_count; ++k) overlap = std::fmax(overlap, -contact.separation[k]);
         }
-        CHECK(speed < 1.2);
-        CHECK(overlap < 0.005);
+        CHECK(speed < 1.1);
+        CHECK(overlap < 0.0015);
       }
 }
 
