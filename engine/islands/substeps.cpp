@@ -18,6 +18,10 @@ namespace {
 // check. A pile that never settles then takes hundredths of a second.
 constexpr std::uint64_t shock_work_max = 1u << 21;
 constexpr std::uint32_t idle_tick_count = 60;  // ticks with a smaller need before the number falls
+// Then the number falls by an eighth each time, and the sag grows by a third. A stack under a far heavier box hops if
+// its sag grows fourfold at once.
+constexpr std::uint32_t fall_tick_count = 4;
+constexpr std::uint32_t fall_unit = 4;  // substeps: to multiples of these
 
 /// The centripetal acceleration by joints of each rotating body: the sum of w^2 r of the arms towards the nearest
 /// immovable body.
@@ -93,11 +97,12 @@ void find_known_forces(const Model& model, const State& state, const TickLists& 
   }
 }
 
-constexpr Real turn_max = Real(0.1);  // rad, of a body on direct joints in a substep: a whip loses energy beyond
-constexpr Real sway_max = Real(0.6);  // rate times substep: light links between heavy bodies come apart beyond
+constexpr Real turn_max = Real(0.1);         // rad, of a body on direct joints in a substep: a whip loses energy beyond
+constexpr Real sway_max = Real(0.6);         // rate times substep: light links between heavy bodies come apart beyond
+constexpr Real whirl_sway_max = Real(0.15);  // where no weight loads the joints: a bent chain loses energy beyond
 // Of what hits bodies on direct joints: sizes of the smaller shape in a substep.
 constexpr Real strike_max = Real(0.05);
-constexpr int sway_substeps_max = 64;  // enough for 10,000 times the mass of a link at its end
+constexpr std::uint32_t sway_substeps_max = 64;  // enough for 10,000 times the mass of a link at its end
 
 // A measured load counts if it exceeds the weights by this factor, since measured loads of bodies at rest vary.
 constexpr Real excess_least = Real(1.25);
@@ -304,13 +309,11 @@ void find_strikes(const State& state, const TickLists& tick, Real dt, IslandWork
 }
 
 /// Raises the levels of islands with bodies on direct joints until rate_of(row) times a substep is at most `most_turn`,
-/// up to `substeps_max`.
+/// up to `most`.
 template <typename RateOf>
 void raise_by_rates(const Model& model, const State& state, TickLists& tick, const IslandWork& work, Real dt,
-                    Real most_turn, int substeps_max, const RateOf& rate_of, std::vector<std::uint32_t>& level) {
-  const Settings& settings = model.scene.settings;
-  const auto least = static_cast<std::uint32_t>(settings.substeps);
-  const auto most = static_cast<std::uint32_t>(std::min(settings.auto_substeps->substeps_max, substeps_max));
+                    Real most_turn, std::uint32_t most, const RateOf& rate_of, std::vector<std::uint32_t>& level) {
+  const auto least = static_cast<std::uint32_t>(model.scene.settings.substeps);
   for (std::size_t i = 0; i < work.direct.is_direct.size(); ++i) {
     if (work.direct.is_direct[i] == 0) continue;
     for_each_body(model, model.joints[state.joints[i].joint], [&](std::uint32_t id) {
@@ -326,20 +329,27 @@ void raise_by_rates(const Model& model, const State& state, TickLists& tick, con
   }
 }
 
-/// Moving bodies on direct joints whose forces no tick has measured: their islands start with the most substeps that a
-/// sway may ask for.
-void expect_sways(const Model& model, const State& state, const TickLists& tick, const IslandWork& work,
-                  std::vector<std::uint32_t>& now, std::vector<std::uint32_t>& before) {
-  const auto most =
-      static_cast<std::uint32_t>(std::min(model.scene.settings.auto_substeps->substeps_max, sway_substeps_max));
+/// Whether a body turns about others on joints that no weight loads.
+bool whirls(const State& state, const IslandWork& work, std::uint32_t row) {
+  const bool has_weight = length(state.world.gravity) > 0 && !is_floating(work, row);
+  return !has_weight && work.joint_acceleration[row] > 0;
+}
+
+/// Islands with direct joints that no tick has measured: they start with the most substeps that a sway may ask for. A
+/// moving island keeps them until it is idle, another one for this tick.
+void expect_sways(const Model& model, const State& state, const TickLists& tick, IslandWork& work,
+                  std::vector<std::uint32_t>& level) {
+  work.first_level.assign(state.bodies.size(), 0);
+  const auto most = static_cast<std::uint32_t>(model.scene.settings.auto_substeps->substeps_max);
   for (std::size_t i = 0; i < work.direct.is_direct.size(); ++i) {
     if (work.direct.is_direct[i] == 0) continue;
     for_each_body(model, model.joints[state.joints[i].joint], [&](std::uint32_t id) {
       const std::uint32_t row = row_of(state, id);
-      if (!is_dynamic(work, row) || state.loads[row].wanted > 0 || !is_moving(state.bodies[row])) return;
+      if (!is_dynamic(work, row) || state.loads[row].wanted > 0) return;
+      const std::uint32_t count = whirls(state, work, row) ? most : std::min(most, sway_substeps_max);
       const std::uint32_t root = tick.island[row];
-      now[root] = std::max(now[root], most);
-      before[root] = std::max(before[root], most);
+      work.first_level[root] = std::max(work.first_level[root], count);
+      if (is_moving(state.bodies[row])) level[root] = std::max(level[root], count);
     });
   }
 }
@@ -358,10 +368,10 @@ void raise_by_measured_loads(const Model& model, State& state, TickLists& tick, 
   raise_levels(model, state, tick, work, work.measured, now);
   find_sways(model, state, work);
   const auto sway_of = [&](std::uint32_t row) { return square_root(work.sway[row]); };
-  raise_by_rates(model, state, tick, work, dt, sway_max, sway_substeps_max, sway_of, now);
+  const auto most = static_cast<std::uint32_t>(model.scene.settings.auto_substeps->substeps_max);
+  raise_by_rates(model, state, tick, work, dt, sway_max, std::min(most, sway_substeps_max), sway_of, now);
   std::vector<std::uint32_t>& before = work.measured_level_before;
   before.assign(state.bodies.size(), 0);
-  expect_sways(model, state, tick, work, now, before);
   for (const std::uint32_t row : work.awake_rows) {
     const std::uint32_t root = tick.island[row];
     if (state.loads[row].wanted > before[root]) before[root] = state.loads[row].wanted;
@@ -372,6 +382,8 @@ void raise_by_measured_loads(const Model& model, State& state, TickLists& tick, 
     const std::uint32_t both = now[root] < before[root] ? now[root] : before[root];
     if (both > level[root]) level[root] = both;
   }
+  const auto whirl_of = [&](std::uint32_t row) { return whirls(state, work, row) ? sway_of(row) : Real(0); };
+  raise_by_rates(model, state, tick, work, dt, whirl_sway_max, most, whirl_of, level);
 }
 
 /// The needs of islands in which nothing carries anything.
@@ -400,22 +412,31 @@ void estimate_needs(const Model& model, State& state, TickLists& tick, IslandWor
   estimate_tilts(state, work);
   std::vector<std::uint32_t>& level = tick.island_level;
   raise_levels(model, state, tick, work, work.weights, level);
-  if (is_measured) raise_by_measured_loads(model, state, tick, work, dt, level);
+  if (is_measured) {
+    expect_sways(model, state, tick, work, level);
+    raise_by_measured_loads(model, state, tick, work, dt, level);
+  }
   if (is_measured && estimate_pushes(model, state, tick, work, dt))
     raise_levels(model, state, tick, work, work.pushes, level);
+  const auto most = static_cast<std::uint32_t>(settings.auto_substeps->substeps_max);
   const auto turn_of = [&](std::uint32_t row) { return absolute(state.bodies[row].angular_velocity); };
-  raise_by_rates(model, state, tick, work, dt, turn_max, settings.auto_substeps->substeps_max, turn_of, level);
+  raise_by_rates(model, state, tick, work, dt, turn_max, most, turn_of, level);
   if (!work.direct.is_direct.empty()) {
     find_strikes(state, tick, dt, work);
     const auto strike_of = [&](std::uint32_t row) { return work.strike[row]; };
-    raise_by_rates(model, state, tick, work, dt, strike_max, settings.auto_substeps->substeps_max, strike_of, level);
+    raise_by_rates(model, state, tick, work, dt, strike_max, most, strike_of, level);
   }
   find_mass_factors(model, state, tick, work);
   tick.load = work.weights.load;
 }
 
-/// Raises the number of substeps of an island at once, and lowers it after enough idle ticks. An island that is not
-/// solved keeps what it had.
+/// The next smaller number of substeps of an island, at least `level`.
+std::uint32_t lowered(std::uint32_t count, std::uint32_t level) {
+  return std::max(count * 7 / 8 / fall_unit * fall_unit, level);
+}
+
+/// Raises the number of substeps of an island at once, and lowers it step by step after enough idle ticks. An island
+/// that is not solved keeps what it had.
 void change_levels(State& state, const TickLists& tick, IslandWork& work) {
   const std::vector<std::uint32_t>& level = tick.island_level;
   std::vector<std::uint32_t>& had = work.substeps_before;
@@ -434,10 +455,17 @@ void change_levels(State& state, const TickLists& tick, IslandWork& work) {
   }
   for (const std::uint32_t row : work.awake_rows) {
     const std::uint32_t root = tick.island[row];
-    const bool keeps = had[root] > level[root] && idle[root] + 1 < idle_tick_count;
     SubstepRow& now = state.substeps[row];
-    now.count = keeps ? had[root] : level[root];
-    now.idle_ticks = keeps ? idle[root] + 1 : 0;
+    if (had[root] <= level[root]) {
+      now.count = level[root];
+      now.idle_ticks = 0;
+    } else if (idle[root] + 1 < idle_tick_count) {
+      now.count = had[root];
+      now.idle_ticks = idle[root] + 1;
+    } else {
+      now.count = lowered(had[root], level[root]);
+      now.idle_ticks = idle_tick_count - fall_tick_count;
+    }
   }
 }
 
@@ -448,6 +476,7 @@ void choose_substeps(const Model& model, State& state, TickLists& tick, IslandWo
   const std::size_t count = state.bodies.size();
   tick.island_level.assign(count, static_cast<std::uint32_t>(settings.substeps));
   tick.resting_impacts.clear();
+  work.first_level.clear();
   tick.shock_is_cut = false;
   tick.island_has_resting_impact.assign(count, 0);
   if (!settings.auto_substeps) return;
@@ -458,7 +487,11 @@ void choose_substeps(const Model& model, State& state, TickLists& tick, IslandWo
     estimate_needs(model, state, tick, work, dt);
     change_levels(state, tick, work);
   }
-  for (const std::uint32_t row : work.awake_rows) tick.island_level[tick.island[row]] = state.substeps[row].count;
+  for (const std::uint32_t row : work.awake_rows) {
+    const std::uint32_t root = tick.island[row];
+    const std::uint32_t first = work.first_level.empty() ? 0 : work.first_level[root];
+    tick.island_level[root] = std::max(state.substeps[row].count, first);
+  }
   tick.shock_work_left = shock_work_max;
   if (has_budget(model)) apply_budget(model, state, tick, work);
   find_resting_impacts(model, state, tick, work, dt);

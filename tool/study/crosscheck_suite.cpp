@@ -388,14 +388,8 @@ Scene gear_lift() {
   slider.anchor_a = {2, 1.5};
   built.scene.joints.push_back(slider);
   built.pin(4, 3, {0, 0}, {0, 0});
-  engine::Joint gear;
-  gear.kind = JointKind::gear;
-  gear.joint_a = 0;
-  gear.joint_b = 1;
-  gear.ratio = 0.5;
-  built.scene.joints.push_back(gear);
-  gear.joint_b = 2;
-  built.scene.joints.push_back(gear);
+  built.scene.joints.push_back(worlds::gear(0, 1, 0.5));
+  built.scene.joints.push_back(worlds::gear(0, 2, 0.5));
   return built.scene;
 }
 

@@ -138,6 +138,65 @@ Problem slider_motor() {
   return problem;
 }
 
+// A pendulum turns a balanced wheel by a gear. The wheel adds inertia / ratio^2 and no weight.
+Problem geared_pendulum() {
+  constexpr double ratio = 2;
+  constexpr double wheel_inertia = 4;
+  // 1 kg and 0.01 kg m^2, 1 m from its pin; the wheel counts as 1 kg m^2.
+  const double rate = std::sqrt(10 / (1 + 0.01 + wheel_inertia / (ratio * ratio)));
+  Problem problem = of_joints("geared_pendulum", "1 kg swings from 60 degrees and turns a wheel by a gear, 4 s: angles",
+                              "closed form (Jacobi's sn)", 4);
+  problem.is_angle = true;
+  problem.scale = pi / 3;
+  problem.scene = [](Precision precision) {
+    Scene scene = worlds::empty(precision);
+    const Point start{std::sin(pi / 3), -std::cos(pi / 3)};
+    scene.bodies = {worlds::peg({0, 0}), bob(start), worlds::peg({3, 0}),
+                    worlds::weighted(worlds::disc(0.5), {3, 0}, 2, wheel_inertia)};
+    scene.joints = {worlds::joint(JointKind::revolute, 0, 1, {}, {-start.x, -start.y}),
+                    worlds::joint(JointKind::revolute, 2, 3), worlds::gear(0, 1, ratio)};
+    return scene;
+  };
+  problem.observe = [](const Engine& engine) {
+    const std::vector<BodyReport> bodies = engine.bodies();
+    return std::vector<double>{pi / 3 + bodies[1].angle, pi / 3 - ratio * bodies[3].angle};
+  };
+  problem.exact = [rate](double t) {
+    const double angle = pendulum_angle(pi / 3, rate, t);
+    return std::vector<double>{angle, angle};
+  };
+  problem.slope = 1;
+  problem.slope_of_higher = 2;    // the impulses of joints move bodies for the whole step (Andersen 1983)
+  set_bars(problem, 0.02, 0.05);  // 1 % of the energy of the fall
+  return problem;
+}
+
+// A slider of 2 kg falls along a vertical rail and turns a wheel by a gear, as a rack does. The wheel counts as
+// inertia / ratio^2 = 2 kg, so that the slider has half of the acceleration of gravity.
+Problem rack() {
+  constexpr double ratio = 0.5;  // m/rad
+  Problem problem = of_joints(
+      "rack", "a slider of 2 kg falls and turns a wheel by a gear, 2 s: its way, and the wheel's", "closed form", 2);
+  problem.scale = 10;
+  problem.scene = [](Precision precision) {
+    Scene scene = worlds::empty(precision);
+    scene.bodies = {worlds::peg({0, 0}), worlds::weighted(worlds::disc(0.1), {0, 0}, 2, 0.01), worlds::peg({3, 0}),
+                    worlds::weighted(worlds::disc(0.5), {3, 0}, 1, 0.5)};
+    engine::Joint rail = worlds::joint(JointKind::prismatic, 0, 1);
+    rail.axis = {0, -1};
+    scene.joints = {rail, worlds::joint(JointKind::revolute, 2, 3), worlds::gear(0, 1, ratio)};
+    return scene;
+  };
+  problem.observe = [](const Engine& engine) {
+    const std::vector<BodyReport> bodies = engine.bodies();
+    return std::vector<double>{-bodies[1].center.y, -ratio * bodies[3].angle};
+  };
+  problem.exact = [](double t) { return std::vector<double>{2.5 * t * t, 2.5 * t * t}; };
+  problem.slope = 1;
+  set_bars(problem, 0.01);
+  return problem;
+}
+
 Problem catenary() {
   Problem problem = of_joints("catenary", "20 links of 0.6 m between pegs 10 m apart, hung for 20 s: lowest point",
                               "exact equations of the links (sag 2.927214753 m)", 20);
@@ -201,6 +260,8 @@ std::vector<Problem> joint_problems() {
           double_pendulum("double_pendulum_120", 2 * pi / 3, double_pendulum_120),
           spring_joint(),
           slider_motor(),
+          geared_pendulum(),
+          rack(),
           catenary(),
           straight_chain(),
           cantilever()};

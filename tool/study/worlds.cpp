@@ -128,6 +128,15 @@ Joint joint(JointKind kind, std::uint32_t body_a, std::uint32_t body_b, Point an
   return out;
 }
 
+Joint gear(std::uint32_t joint_a, std::uint32_t joint_b, double ratio) {
+  Joint out;
+  out.kind = JointKind::gear;
+  out.joint_a = joint_a;
+  out.joint_b = joint_b;
+  out.ratio = ratio;
+  return out;
+}
+
 Scene stack(Precision precision, int count, double size, double jitter) {
   Scene scene = empty(precision);
   scene.name = "stack";

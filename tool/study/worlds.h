@@ -38,6 +38,9 @@ void lean(engine::Scene& scene, double degrees);
 engine::Joint joint(engine::JointKind kind, std::uint32_t body_a, std::uint32_t body_b, engine::Point anchor_a = {},
                     engine::Point anchor_b = {});
 
+/// A gear between two joints of the scene.
+engine::Joint gear(std::uint32_t joint_a, std::uint32_t joint_b, double ratio);
+
 /// Boxes of `size` m on the ground, the first at y = size / 2, alternately shifted by `jitter` m to either side.
 engine::Scene stack(engine::Precision precision, int count, double size = 1, double jitter = 0);
 /// A chain of links of 1 m and 1 kg from a peg at the origin in `direction`, joined end to end by revolute joints. The

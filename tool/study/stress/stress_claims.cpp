@@ -26,6 +26,7 @@ constexpr NamedCure named_cures[]{
     {"load_pointer", "tgs_soft auto", "docs/scenes.md"},
     {"load_pusher", "tgs_soft auto", "docs/scenes.md"},
     {"push_", "tgs_soft auto", "docs/scenes.md"},
+    {"bridge_straight", "tgs_soft auto", "docs/physics.md"},
     {"floating", "tgs_soft auto", "docs/scenes.md"},
     {"pinned", "tgs_soft auto", "docs/scenes.md"},
     {"direct_gain", "velocity_verlet", "docs/physics.md"},

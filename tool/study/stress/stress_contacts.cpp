@@ -68,6 +68,29 @@ void add_mass_ratios(std::vector<StressCase>& cases) {
       };
       cases.push_back(std::move(c));
     }
+  // Stacks that hopped for ever while their substeps fell by half.
+  for (const auto& [count, ratio] : {std::pair{2, 1e4}, {8, 1e3}, {10, 2e2}, {20, 3e2}}) {
+    StressCase c = contact_case("top_heavy_rest_" + std::to_string(count) + "_r" + plain_number(ratio),
+                                std::to_string(count) + " boxes, the top one " + plain_number(ratio) +
+                                    " kg, the last 5 of 15 s: largest speed of the top one",
+                                "m/s", 0, 0.01, "", "own");
+    c.run = [count = count, ratio = ratio](const StressMethod& method, Precision precision) {
+      Scene scene = worlds::stack(precision, count);
+      scene.bodies.back().mass = engine::ExplicitMass{ratio, {}, {}};
+      const double dt = scene.settings.dt;
+      int tick = 0;
+      double most = 0;
+      return run_case(
+          with_method(std::move(scene), method), 15,
+          [&](const Bodies& bodies) {
+            const Point v = bodies.back().velocity;
+            if (++tick * dt > 10) most = std::max(most, std::hypot(v.x, v.y));
+            return true;
+          },
+          [&](const Engine&, const Bodies&, const Bodies&) { return most; });
+    };
+    cases.push_back(std::move(c));
+  }
   StressCase wide = contact_case(
       "heavy_on_light", "a box of 20 m and 400 kg on two of 1 m and 1 kg, 10 s: way down over 1 %", "of 1", 0, 1,
       "lands and stands, top 8.8 cm low of 11 m (SoftStep, TGS_Soft)", "Solver2D, High Mass Ratio 2");

@@ -187,6 +187,30 @@ void add_chains(std::vector<StressCase>& cases) {
     return worst_gap(with_method(*scene, method), 20, 15, 1);
   };
   cases.push_back(std::move(bridge));
+  for (const int planks : {8, 20}) {
+    StressCase straight = joint_case("bridge_straight_" + std::to_string(planks),
+                                     std::to_string(planks) +
+                                         " planks of 1 m and 1 kg, straight between two pegs, 3 s: largest energy over "
+                                         "the start's",
+                                     "J", 0, 0.01, "", "own");
+    straight.run = [planks](const StressMethod& method, Precision precision) {
+      Scene scene = worlds::chain(precision, planks, {1, 0}, 1);
+      scene.joints.push_back(worlds::joint(JointKind::revolute, static_cast<std::uint32_t>(planks), 0, {0.5, 0},
+                                           {static_cast<double>(planks), 0}));
+      scene = with_method(std::move(scene), method);
+      double most = -HUGE_VAL;
+      return run_case(
+          scene, 3,
+          [&](const Bodies& bodies) {
+            most = std::max(most, energy_of(scene, bodies));
+            return true;
+          },
+          [&](const Engine&, const Bodies& start, const Bodies&) {
+            return std::max(0.0, most - energy_of(scene, start));
+          });
+    };
+    cases.push_back(std::move(straight));
+  }
   for (const int columns : {25, 100}) {
     StressCase grid =
         joint_case("joint_grid_" + std::to_string(columns),
@@ -294,12 +318,7 @@ Scene geared_discs(Precision precision, double first_inertia, double second_iner
                   worlds::peg({3, 0}), worlds::weighted(worlds::disc(1), {3, 0}, 400, second_inertia)};
   scene.joints = {worlds::joint(JointKind::revolute, 0, 1), worlds::joint(JointKind::revolute, 2, 3)};
   scene.joints[0].motor = JointMotor{100, 20};
-  Joint gear;
-  gear.kind = JointKind::gear;
-  gear.joint_a = 0;
-  gear.joint_b = 1;
-  gear.ratio = gear_ratio;
-  scene.joints.push_back(gear);
+  scene.joints.push_back(worlds::gear(0, 1, gear_ratio));
   return scene;
 }
 

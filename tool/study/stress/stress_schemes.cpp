@@ -117,12 +117,7 @@ Mechanism on_gear(Precision precision) {
   Mechanism out = on_revolute(precision);
   out.scene.bodies.push_back(worlds::weighted(worlds::disc(0.5), {4, 0}, 2));
   out.scene.joints.push_back(worlds::joint(JointKind::revolute, 0, 2, {4, 0}));
-  engine::Joint gear;
-  gear.kind = JointKind::gear;
-  gear.joint_a = 0;
-  gear.joint_b = 1;
-  gear.ratio = 2;
-  out.scene.joints.push_back(gear);
+  out.scene.joints.push_back(worlds::gear(0, 1, 2));
   return out;
 }
 
