@@ -6,6 +6,7 @@
 
 #include "tests/support/catch.h"
 #include "tests/support/engine_runs.h"
+#include "tests/support/joints.h"
 #include "tests/support/scenes.h"
 #include "tool/expression/csv_columns.h"
 
@@ -146,6 +147,35 @@ TEST_CASE("names that mean nothing are refused with those that do", "[verifier][
     CHECK_FALSE(find_named_value(name).has_value());
     CHECK(refusal(name).find("expected the name of a value") != std::string::npos);
   }
+}
+
+TEST_CASE("bodies and joints have the names that the scene gives them", "[verifier][expression]") {
+  Scene scene = stack_scene(2);
+  scene.bodies[0].name = "floor";
+  scene.bodies[2].name = "top_2";
+  engine::Joint weld = joint_of(engine::JointKind::weld, 1, 2);
+  weld.name = "glue";
+  weld.anchor_a = {0, 0.5};
+  weld.anchor_b = {0, -0.5};
+  scene.joints = {weld};
+  const auto engine = settled(scene);
+  for (const auto& [by_name, by_number] : {std::pair{"bodies.top_2.y", "bodies.2.y"},
+                                           {"contacts.floor.1.normal_force", "contacts.0.1.normal_force"},
+                                           {"contacts.1.floor.points", "contacts.0.1.points"},
+                                           {"joints.glue.force", "joints.0.force"}}) {
+    CAPTURE(by_name);
+    CHECK(value_of(*engine, by_name) == value_of(*engine, by_number));
+    const auto columns = CsvColumns::make({by_name}, scene, "--columns");
+    REQUIRE(columns.has_value());
+    CHECK(columns->names() == std::vector<std::string>{by_name});
+    CHECK(columns->values(*engine)[0] == value_of(*engine, by_number));
+  }
+  const auto refused = CsvColumns::make({"bodies.top.y"}, scene, "--columns");
+  REQUIRE_FALSE(refused.has_value());
+  CHECK(refused.error().message == "--columns: bodies.top.y: found no body \"top\"");
+  CHECK(refused.error().hint == "names: floor, top_2");
+  CHECK(refusal("joints.glue.gap") == "--columns: joints.glue.gap: found no joint \"glue\"");
+  CHECK(std::isnan(value_of(*engine, "bodies.top.y")));
 }
 
 TEST_CASE("bodies and joints that a scene cannot have are refused with how many it has",

@@ -59,10 +59,11 @@ std::string known_names(ExpressionNames names) {
   return "names: " + text + "; " + named_values_text();
 }
 
+constexpr const char* name_characters = "0123456789_.abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ";
+
 /// Of each name of a body, contact or joint in the text, one.
 std::deque<UsedName> find_parts(const std::string& text) {
   std::deque<UsedName> parts;
-  constexpr std::string_view name_characters = "0123456789_.abcdefghijklmnopqrstuvwxyz";
   for (std::size_t at = 0; at < text.size();) {
     const std::size_t begin = text.find_first_of(name_characters, at);
     if (begin == std::string::npos) break;
@@ -100,7 +101,7 @@ void Expression::Parser::define(ExpressionNames names) {
     parser.DefineVar(name + start_suffix, &start[index]);
   }
   if (names != ExpressionNames::world_and_parts) return;
-  parser.DefineNameChars("0123456789_.abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ");
+  parser.DefineNameChars(name_characters);
   parts = find_parts(text);
   for (UsedName& part : parts) parser.DefineVar(part.named.name, &part.now);
 }

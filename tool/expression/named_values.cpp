@@ -5,6 +5,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cctype>
 #include <charconv>
 #include <cmath>
 
@@ -22,14 +23,48 @@ struct PartName {
 constexpr std::array<PartName, 3> part_names{
     {{PartKind::body, "bodies", 1}, {PartKind::contact, "contacts", 2}, {PartKind::joint, "joints", 1}}};
 
-/// Takes `.123` from the front of a name.
-bool take_number(std::string_view& name, std::uint32_t& out) {
+/// Takes `.123` or `.word` from the front of a name.
+bool take_part(std::string_view& name, std::uint32_t& number, std::string& word) {
   if (name.empty() || name.front() != '.') return false;
   name.remove_prefix(1);
-  const auto [end, error] = std::from_chars(name.data(), name.data() + name.size(), out);
-  if (error != std::errc()) return false;
-  name.remove_prefix(static_cast<std::size_t>(end - name.data()));
+  const std::string_view part = name.substr(0, name.find('.'));
+  const bool is_word = !part.empty() && (part.front() == '_' || std::isalpha(static_cast<unsigned char>(part.front())));
+  if (is_word) {
+    word = std::string(part);
+  } else {
+    const auto [end, error] = std::from_chars(part.data(), part.data() + part.size(), number);
+    if (error != std::errc() || end != part.data() + part.size()) return false;
+  }
+  name.remove_prefix(part.size());
   return true;
+}
+
+/// Replaces the names of bodies and joints by their numbers. Returns the name that the scene does not have, or "".
+std::string replace_names(NamedValue& named, PartKind part, const engine::Scene& scene) {
+  const auto replace = [&](std::string& word, std::uint32_t& number) {
+    if (word.empty()) return true;
+    const auto find = [&](const auto& list) {
+      const auto at = std::find_if(list.begin(), list.end(), [&](const auto& each) { return each.name == word; });
+      number = static_cast<std::uint32_t>(at - list.begin());
+      return at != list.end();
+    };
+    if (!(part == PartKind::joint ? find(scene.joints) : find(scene.bodies))) return false;
+    word.clear();
+    return true;
+  };
+  if (!replace(named.first_name, named.first)) return named.first_name;
+  if (!replace(named.second_name, named.second)) return named.second_name;
+  return {};
+}
+
+/// The names that a scene gives to its bodies or joints.
+template <typename Part>
+std::string listed_names(const std::vector<Part>& parts) {
+  constexpr std::size_t length_max = 200;
+  std::string names;
+  for (const Part& part : parts)
+    if (!part.name.empty() && names.size() < length_max) names += (names.empty() ? "" : ", ") + part.name;
+  return names.empty() ? "the scene names none: give its number" : "names: " + names;
 }
 
 /// Whether an input may make a body.
@@ -50,8 +85,8 @@ std::optional<NamedValue> find_named_value(std::string_view name) {
     std::string_view rest = name;
     if (rest.substr(0, part.prefix.size()) != part.prefix) continue;
     rest.remove_prefix(part.prefix.size());
-    if (!take_number(rest, named.first)) return {};
-    if (part.id_count == 2 && !take_number(rest, named.second)) return {};
+    if (!take_part(rest, named.first, named.first_name)) return {};
+    if (part.id_count == 2 && !take_part(rest, named.second, named.second_name)) return {};
     for (const PartValueInfo& info : part_values) {
       if (info.part != part.kind || rest != "." + std::string(info.name)) continue;
       named.value = info.value;
@@ -61,9 +96,16 @@ std::optional<NamedValue> find_named_value(std::string_view name) {
   return {};
 }
 
-Status check_exists(const NamedValue& named, const engine::Scene& scene, const std::string& place) {
+Status check_exists(const NamedValue& of_text, const engine::Scene& scene, const std::string& place) {
+  NamedValue named = of_text;
   const auto info = std::find_if(part_values.begin(), part_values.end(),
                                  [&](const PartValueInfo& part) { return part.value == named.value; });
+  const bool is_joint = info->part == PartKind::joint;
+  const std::string unknown = replace_names(named, info->part, scene);
+  if (!unknown.empty())
+    return Error{ErrorCode::usage,
+                 fmt::format("{}: {}: found no {} \"{}\"", place, named.name, is_joint ? "joint" : "body", unknown),
+                 is_joint ? listed_names(scene.joints) : listed_names(scene.bodies)};
   const auto refused = [&](std::string_view what, std::uint32_t number, std::size_t count, const char* all) {
     std::string message = fmt::format("{}: {}: found no {} {}: the scene has {}", place, named.name, what, number,
                                       count == 0 ? "none" : std::to_string(count));
@@ -71,7 +113,7 @@ Status check_exists(const NamedValue& named, const engine::Scene& scene, const s
     return Error{ErrorCode::usage, message,
                  fmt::format("they count from 0 in the order of the scene; {}: of all", all)};
   };
-  if (info->part == PartKind::joint) {
+  if (is_joint) {
     if (named.first < scene.joints.size()) return {};
     return refused("joint", named.first, scene.joints.size(), "joints.*.gap");
   }
@@ -95,9 +137,10 @@ std::string named_values_text() {
   return text;
 }
 
-double NamedValues::of(const NamedValue& named) {
+double NamedValues::of(NamedValue named) {
   const auto info = std::find_if(part_values.begin(), part_values.end(),
                                  [&](const PartValueInfo& part) { return part.value == named.value; });
+  if (!replace_names(named, info->part, engine_.scene()).empty()) return std::nan("");
   switch (info->part) {
     case PartKind::body:
       return of_body(named.first, named.value);

@@ -41,8 +41,8 @@ struct PartValueInfo {
   std::string_view name;
   std::string_view summary;
 };
-/// `bodies.ID.name`, `contacts.ID.ID.name`, `joints.NUMBER.name`. Ids count from 0 in the order of the scene, and so do
-/// joints.
+/// `bodies.ID.value`, `contacts.ID.ID.value`, `joints.NUMBER.value`. Ids count from 0 in the order of the scene, and so
+/// do joints. The name that the scene gives to a body or joint stands for its number.
 inline constexpr std::array<PartValueInfo, 16> part_values{{
     {PartKind::body, PartValue::x, "x", "m, of the centre of mass"},
     {PartKind::body, PartValue::y, "y", "m, of the centre of mass"},
@@ -69,6 +69,8 @@ struct NamedValue {
   PartValue value = PartValue::x;
   std::uint32_t first = 0;   // id of a body, or number of a joint
   std::uint32_t second = 0;  // id of the other body of a contact
+  std::string first_name;    // stands for `first` if it is not empty: the name that the scene gives
+  std::string second_name;
 };
 
 /// The value that a name means; none: it means none.
@@ -84,7 +86,7 @@ std::string named_values_text();
 class NamedValues {
  public:
   explicit NamedValues(const engine::Engine& engine) : engine_(engine) {}
-  double of(const NamedValue& named);
+  double of(NamedValue named);
 
  private:
   double of_body(std::uint32_t id, PartValue value);
