@@ -155,6 +155,10 @@ Result<AccuracyPoint> timed_point(const Problem& problem, const Method& method, 
     sum_s += again->step_time_s;
   }
   point.time_ms = spread_of(std::move(times));
+  if (options.keep_samples) {
+    point.times = kept.times;
+    point.samples = kept.samples;
+  }
   return point;
 }
 

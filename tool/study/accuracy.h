@@ -59,6 +59,9 @@ struct AccuracyPoint {
   SampleSpread time_ms;    // per simulated second
   std::uint64_t hash = 0;  // of the last state
   PointState state = PointState::ok;
+  /// With AccuracyOptions::keep_samples, else empty: times in s, and what Problem::observe returned then.
+  std::vector<double> times;
+  std::vector<std::vector<double>> samples;
 };
 
 struct Judgement {
@@ -127,6 +130,7 @@ struct AccuracyOptions {
   int repeat_max = 7;      // timed runs of a point, after one untimed run
   double repeat_s = 0.02;  // no further run once the timed runs have taken this long in total
   unsigned thread_count = 1;
+  bool keep_samples = false;
   std::function<void(std::uint64_t done, std::uint64_t total)> progress;  // curves; called by one thread at a time
 };
 

@@ -129,6 +129,7 @@ int run_accuracy_command(const AccuracyCommand& command) {
     options.precisions.push_back(engine::find_choice(engine::precisions, name)->kind);
   options.repeat_max = command.view.no_times ? 1 : static_cast<int>(command.repeat_count);
   options.thread_count = thread_count;
+  options.keep_samples = !command.files.samples.empty();
   Progress progress("accuracy", 1, "curves");
   options.progress = [&](std::uint64_t done, std::uint64_t total) { progress.update(done, total); };
   const auto curves = verifier::run_accuracy(*problems, options);
@@ -143,6 +144,11 @@ int run_accuracy_command(const AccuracyCommand& command) {
                                          accuracy_plots(*problems, *curves, options.precisions));
       code != exit_ok)
     return code;
+  if (options.keep_samples)
+    if (const Status written =
+            verifier::write_data_file(command.files.samples, samples_csv(*problems, *curves), command.files.force);
+        !written)
+      return fail_usage(written.error());
   const bool all_claims_are_judged = warn_of_claims(*problems, *curves);
   return verdicts_of(*curves).of(StudyVerdict::fail) > 0 || !all_claims_are_judged ? exit_finding : exit_ok;
 }
@@ -183,12 +189,17 @@ void add_accuracy(CLI::App& app, CliContext& context) {
   add_number(*command, "-j,--jobs", options->thread_count, "Threads; default: one a core. 1 gives the quietest times",
              {1, 1024});
   add_study_files(*command, options->files);
+  command
+      ->add_option("--samples", options->files.samples,
+                   "To a CSV file too: each value at each sampled time, as found and exact")
+      ->excludes("--peer")
+      ->type_name("FILE");
   set_examples(*command,
                "ticktrue accuracy\n"
                "ticktrue accuracy pendulum kepler --precision f64 --plot pendulum.svg\n"
                "ticktrue accuracy shapes --csv shapes.csv\n"
                "ticktrue accuracy --example > my.json\n"
-               "ticktrue accuracy my.json --precision f64 --plot my.svg\n"
+               "ticktrue accuracy my.json --precision f64 --plot my.svg --samples samples.csv\n"
                "ticktrue accuracy --peer box2d\n"
                "ticktrue accuracy --peer box2d2,box2d3\n"
                "ticktrue accuracy --peer box2d3 --engine build/wasm/engine_run.js");

@@ -405,6 +405,28 @@ Json accuracy_json(const std::vector<Problem>& problems, const std::vector<Accur
   return object;
 }
 
+std::string samples_csv(const std::vector<Problem>& problems, const std::vector<AccuracyCurve>& curves) {
+  using verifier::full_number;
+  std::string text =
+      verifier::csv_line({"problem", "precision", "method", "setting", "time_s", "value", "found", "exact"});
+  for (const AccuracyCurve& curve : curves) {
+    const auto problem =
+        std::find_if(problems.begin(), problems.end(), [&](const Problem& each) { return each.name == curve.problem; });
+    for (const AccuracyPoint& point : curve.points)
+      for (std::size_t i = 0; i < point.times.size(); ++i) {
+        const std::vector<double> exact = problem->exact(point.times[i]);
+        for (std::size_t k = 0; k < exact.size(); ++k) {
+          const double scale = k < problem->value_scales.size() ? problem->value_scales[k] : 1;
+          text += verifier::csv_line({curve.problem, std::string(precision_name(curve.precision)), curve.method.name,
+                                      verifier::setting_text(curve.method, point.setting), full_number(point.times[i]),
+                                      k < problem->value_names.size() ? problem->value_names[k] : std::to_string(k),
+                                      full_number(point.samples[i][k] * scale), full_number(exact[k] * scale)});
+        }
+      }
+  }
+  return text;
+}
+
 std::string accuracy_csv(const std::vector<AccuracyCurve>& curves) {
   using verifier::full_number;
   std::string text =

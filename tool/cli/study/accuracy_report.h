@@ -28,6 +28,9 @@ std::string accuracy_text(const std::vector<verifier::Problem>& problems,
 Json accuracy_json(const std::vector<verifier::Problem>& problems, const std::vector<verifier::AccuracyCurve>& curves,
                    const std::string& command_line);
 std::string accuracy_csv(const std::vector<verifier::AccuracyCurve>& curves);
+/// A line for each value at each sampled time. Requires: the curves were run with keep_samples.
+std::string samples_csv(const std::vector<verifier::Problem>& problems,
+                        const std::vector<verifier::AccuracyCurve>& curves);
 /// One diagram a problem and precision: error across, time upwards; the floor of rounding as a line.
 std::vector<verifier::Plot> accuracy_plots(const std::vector<verifier::Problem>& problems,
                                            const std::vector<verifier::AccuracyCurve>& curves,

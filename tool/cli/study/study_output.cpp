@@ -54,15 +54,27 @@ void add_study_files(CLI::App& command, StudyFiles& files) {
   command.add_flag("--json", files.json, "One JSON object");
   command.add_option("--csv", files.csv, "Every row to a CSV file too")->type_name("FILE");
   command.add_option("--plot", files.plot, "Diagrams as SVG, drawn by the program gnuplot")->type_name("FILE.svg");
-  command.add_flag("--force", files.force, "Replace existing files of --csv and --plot");
+  command.add_flag("--force", files.force, "Replace existing files that are to be written");
 }
 
 Status check_study_files(const StudyFiles& files, const std::vector<std::string>& read) {
   if (const Status status = check_target(files.csv, files.force, read); !status) return status;
   if (const Status status = check_target(files.plot, files.force, read); !status) return status;
-  if (files.csv.empty() || files.plot.empty() || !are_same(files.csv, files.plot)) return {};
-  return Error{ErrorCode::usage, "--plot: found " + files.plot + ", the file of --csv, expected another",
-               "give another name"};
+  if (const Status status = check_target(files.samples, files.force, read); !status) return status;
+  const std::pair<const char*, const std::string*> named[]{
+      {"--csv", &files.csv}, {"--plot", &files.plot}, {"--samples", &files.samples}};
+  for (const auto& [option, path] : named)
+    for (const auto& [other, other_path] : named) {
+      if (other == option) break;
+      if (path->empty() || other_path->empty() || !are_same(*path, *other_path)) continue;
+      return Error{ErrorCode::usage,
+                   fmt::format("{}: found {}, the file of {}, expected another", option, *path, other),
+                   "give another name"};
+    }
+  const std::string extension = fs::path(files.plot).extension().string();
+  if (extension.empty() || extension == ".svg") return {};
+  return Error{ErrorCode::usage, fmt::format("--plot: found {}, expected the name of an SVG file", files.plot),
+               "name it " + fs::path(files.plot).replace_extension(".svg").string()};
 }
 
 std::vector<std::string> own_files(const std::vector<std::string>& words) {

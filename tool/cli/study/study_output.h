@@ -16,8 +16,9 @@ namespace ticktrue::cli {
 
 struct StudyFiles {
   bool json = false;
-  std::string csv;   // path; empty: none
-  std::string plot;  // path; empty: none
+  std::string csv;      // path; empty: none
+  std::string plot;     // path; empty: none
+  std::string samples;  // path; empty: none; of accuracy alone
   bool force = false;
 };
 void add_study_files(CLI::App& command, StudyFiles& files);
