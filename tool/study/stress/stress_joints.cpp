@@ -284,7 +284,7 @@ void add_doors(std::vector<StressCase>& cases) {
     scene.gravity = {0, 0};
     for (const Door& door : doors) {
       const auto first = static_cast<std::uint32_t>(scene.bodies.size());
-      const double x = 3.0 * (first / 2);
+      const double x = 1.5 * first;
       scene.bodies.push_back(worlds::peg({x, 0}));
       engine::Body& plank =
           scene.bodies.emplace_back(worlds::weighted(worlds::box(0.5, 0.1), {x + 0.5, 0}, 1, inertia - 0.25));
