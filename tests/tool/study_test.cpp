@@ -578,8 +578,15 @@ TEST_CASE("a key that a scene cannot have is refused with its name", "[verifier]
   CHECK(fixed->settings.substeps == 8);
   CHECK_FALSE(fixed->settings.auto_substeps);
   CHECK(refusal("settings.solver", "pgs").find("substeps") != std::string::npos);
-  CHECK(refusal("bodies.2.position.0", "1") == "--vary x: found bodies.2, expected an index below 2");
+  CHECK(refusal("bodies.2.position.0", "1") ==
+        "--vary x: found bodies.2, expected an index below 2 or a name: floor, box");
   CHECK(refusal("bodies.x.position", "1").find("expected an index below 2") != std::string::npos);
+  engine::Scene named = *scene;
+  named.bodies[1].name = "slider";
+  CHECK(scene_with(named, "bodies.slider.position.0", "1.5", "--vary x")->bodies[1].position.x == 1.5);
+  const auto misnamed = scene_with(named, "bodies.slide.position.0", "1", "--vary x");
+  REQUIRE_FALSE(misnamed);
+  CHECK(misnamed.error().message == "--vary x: found bodies.slide, expected an index below 2 or a name: floor, slider");
   CHECK(refusal("gravity.1.2", "1").find("a value that has no keys") != std::string::npos);
   CHECK(refusal("settings.substebs", "8").find("unknown key: found \"substebs\"") != std::string::npos);
   CHECK(refusal("bodies.1.mass", "heavy").find("bodies[1].mass") != std::string::npos);
@@ -589,6 +596,15 @@ TEST_CASE("a key that a scene cannot have is refused with its name", "[verifier]
   }
   CHECK(parse_varied("a=1,2,b", "--vary")->values == std::vector<std::string>{"1", "2", "b"});
   CHECK(parse_varied("a={\"x\": [1, 2]}", "--vary")->values.size() == 1);
+  using Texts = std::vector<std::string>;
+  CHECK(parse_varied("a=[0,-10],[0, -2]", "--vary")->values == Texts{"[0,-10]", "[0, -2]"});
+  CHECK(parse_varied(R"(a=auto,{"least": 4, "most": 8})", "--vary")->values ==
+        Texts{"auto", R"({"least": 4, "most": 8})"});
+  CHECK(parse_varied(R"(a="x,[","y\",")", "--vary")->values == Texts{R"("x,[")", R"("y\",")"});
+  const auto vectors = with_varied({}, *scene, *parse_varied("bodies.1.velocity=[1,0],[2,0]", "--vary"), "--vary");
+  REQUIRE(vectors);
+  REQUIRE(vectors->size() == 2);
+  CHECK((*vectors)[1].scene->bodies[1].velocity.x == 2);
 }
 
 TEST_CASE("a table wider than its lines goes on below, and no cell of it is cut", "[verifier][study]") {

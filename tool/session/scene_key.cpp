@@ -35,6 +35,46 @@ std::optional<std::size_t> index_of(const std::string& part) {
   return index;
 }
 
+/// The values between commas; a comma within brackets or quotes belongs to its value.
+std::vector<std::string> values_of(const std::string& text) {
+  std::vector<std::string> values(1);
+  int depth = 0;
+  bool is_quoted = false;
+  for (std::size_t i = 0; i < text.size(); ++i) {
+    const char c = text[i];
+    if (c == '"' && (i == 0 || text[i - 1] != '\\')) is_quoted = !is_quoted;
+    if (!is_quoted) depth += (c == '[' || c == '{') - (c == ']' || c == '}');
+    if (c == ',' && !is_quoted && depth == 0)
+      values.emplace_back();
+    else
+      values.back() += c;
+  }
+  return values;
+}
+
+/// What a scene calls an element of a list; empty: nothing.
+std::string name_of(const Json& element) {
+  const auto name = element.is_object() ? element.find("name") : element.end();
+  return name != element.end() && name->is_string() ? name->get<std::string>() : std::string();
+}
+
+/// The element of a list with this index or name.
+std::optional<std::size_t> element_of(const Json& list, const std::string& part) {
+  if (const auto index = index_of(part)) return *index < list.size() ? index : std::nullopt;
+  for (std::size_t i = 0; i < list.size(); ++i)
+    if (!part.empty() && name_of(list[i]) == part) return i;
+  return {};
+}
+
+/// " or a name: top, floor", if elements have names.
+std::string or_names_of(const Json& list) {
+  std::string names;
+  for (const Json& element : list)
+    if (const std::string name = name_of(element); !name.empty() && names.size() < 200)
+      names += (names.empty() ? "" : ", ") + name;
+  return names.empty() ? names : " or a name: " + names;
+}
+
 /// Parses "0.1:0.9:9" into nine values; absent if the text is not such a range.
 std::optional<std::vector<std::string>> range_of(const std::string& text) {
   const std::vector<std::string> parts = parts_of(text, ':');
@@ -65,10 +105,12 @@ Result<engine::Scene> scene_with(const engine::Scene& scene, const std::string& 
   for (const std::string& part : parts_of(key, '.')) {
     path += (path.empty() ? "" : ".") + part;
     if (at->is_array()) {
-      const auto index = index_of(part);
-      if (!index || *index >= at->size())
-        return Error{ErrorCode::usage,
-                     place + ": found " + path + ", expected an index below " + std::to_string(at->size()), ""};
+      const auto index = element_of(*at, part);
+      if (!index)
+        return Error{
+            ErrorCode::usage,
+            place + ": found " + path + ", expected an index below " + std::to_string(at->size()) + or_names_of(*at),
+            ""};
       at = &(*at)[*index];
     } else if (at->is_object() || at->is_null()) {
       at = &(*at)[part];
@@ -97,10 +139,8 @@ Result<VariedKey> parse_varied(const std::string& text, const std::string& optio
     varied.values = *std::move(range);
   else if (values.find(':') != std::string::npos && values.find_first_of("[{\"") == std::string::npos)
     return wrong("FIRST:LAST:COUNT with 2 to 1000 values");
-  else if (values.find_first_of("[{\"") != std::string::npos)
-    varied.values = {values};  // the whole text is one JSON value
   else
-    varied.values = parts_of(values, ',');
+    varied.values = values_of(values);
   if (varied.values.size() > value_count_max) return wrong("at most 1000 values");
   for (const std::string& value : varied.values)
     if (value.empty()) return wrong("a value between commas");

@@ -574,7 +574,8 @@ void add_compare(CLI::App& app, CliContext& context) {
   add_axis(*command, "--broad-phase", options->broad_phases, engine::broad_phases, "Broad phases");
   command
       ->add_option("--vary", options->varied,
-                   "A key of the scene and its values: bodies.3.shapes.0.friction=0.1:0.9:9, settings.substeps=1,4")
+                   "A key of the scene and its values: bodies.3.shapes.0.friction=0.1:0.9:9, settings.substeps=1,4, "
+                   "gravity=[0,-10],[0,-2]")
       ->type_name("KEY=VALUES")
       ->allow_extra_args(false);
   command
