@@ -33,6 +33,10 @@ class NamedTable {
     if (found->type == ScalarType::f64) return read<double>(at);
     return read<std::uint32_t>(at);
   }
+  /// Requires: the column has u32.
+  std::uint32_t whole(std::uint32_t row, std::string_view column) const {
+    return static_cast<std::uint32_t>(value(row, column));
+  }
 
  private:
   template <typename T>

@@ -15,6 +15,7 @@
 #include "tool/output/json_output.h"
 #include "tool/output/progress.h"
 #include "tool/study/problem_file/problem_file.h"
+#include "verifier/runs/data_file.h"
 
 namespace ticktrue::cli {
 namespace {

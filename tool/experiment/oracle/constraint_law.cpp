@@ -5,13 +5,13 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <cstring>
 #include <limits>
 #include <numeric>
 
 #include "engine/math/trig.h"
 #include "engine/math/union_find.h"
 #include "engine/scene/hull.h"
+#include "tool/expression/named_table.h"
 #include "tool/study/table.h"
 
 namespace ticktrue::verifier::soak {
@@ -110,36 +110,6 @@ Point velocity_at(const BodyReport& body, const Point& p) {
   return {body.velocity.x - body.angular_velocity * arm.y, body.velocity.y + body.angular_velocity * arm.x};
 }
 
-/// The rows of a table of the state, by names of columns.
-class TableReader {
- public:
-  TableReader(const StateView& state, std::string_view table, engine::Precision precision) : precision_(precision) {
-    const auto found = state.schema->find_table(table);
-    if (!found) return;
-    schema_ = &state.schema->tables[*found];
-    rows_ = &state.tables[*found];
-  }
-  std::size_t size() const { return rows_ ? rows_->row_count : 0; }
-  std::uint32_t whole(std::size_t row, std::string_view column) const { return read<std::uint32_t>(row, column, 0); }
-  double real(std::size_t row, std::string_view column, std::size_t lane = 0) const {
-    return precision_ == engine::Precision::f32 ? double{read<float>(row, column, lane)}
-                                                : read<double>(row, column, lane);
-  }
-
- private:
-  template <typename T>
-  T read(std::size_t row, std::string_view name, std::size_t lane) const {
-    T value{};
-    for (const Column& column : schema_->columns)
-      if (column.name == name)
-        std::memcpy(&value, rows_->data + row * schema_->row_size + column.offset + lane * sizeof value, sizeof value);
-    return value;
-  }
-  engine::Precision precision_;
-  const TableSchema* schema_ = nullptr;
-  const TableRows* rows_ = nullptr;
-};
-
 /// Sets of bodies that are tied together.
 class Groups {
  public:
@@ -168,7 +138,7 @@ struct TickView {
   double dt;
   Bodies bodies;
   std::vector<ContactReport> contacts;
-  TableReader joints;
+  NamedTable joints;
   std::map<std::uint32_t, std::uint32_t> index;  // [body id]
   std::vector<double> h;                         // [body], s
   std::vector<Extent> extents;                   // [body]
@@ -200,18 +170,17 @@ std::vector<double> substeps_of(const engine::Scene& scene, const StateView& sta
                                 const std::map<std::uint32_t, std::uint32_t>& index) {
   std::vector<double> h(index.size(), dt / scene.settings.substeps);
   if (scene.settings.substep_budget > 0) return h;
-  const TableReader rows(state, "substeps", scene.settings.precision);
-  for (std::size_t i = 0; i < rows.size(); ++i)
+  const NamedTable rows(state, "substeps");
+  for (std::uint32_t i = 0; i < rows.row_count(); ++i)
     if (const auto found = index.find(rows.whole(i, "body")); found != index.end())
       h[found->second] = dt / rows.whole(i, "count");
   return h;
 }
 
-std::vector<std::uint8_t> find_asleep(const engine::Scene& scene, const StateView& state,
-                                      const std::map<std::uint32_t, std::uint32_t>& index) {
+std::vector<std::uint8_t> find_asleep(const StateView& state, const std::map<std::uint32_t, std::uint32_t>& index) {
   std::vector<std::uint8_t> is_asleep(index.size());
-  const TableReader rows(state, "sleep", scene.settings.precision);
-  for (std::size_t i = 0; i < rows.size(); ++i)
+  const NamedTable rows(state, "sleep");
+  for (std::uint32_t i = 0; i < rows.row_count(); ++i)
     if (const auto found = index.find(rows.whole(i, "body")); found != index.end())
       is_asleep[found->second] = rows.whole(i, "asleep") != 0 ? 1 : 0;
   return is_asleep;
@@ -226,7 +195,7 @@ std::vector<Offence> joint_offences(const TickView& view, std::vector<double>& p
   std::vector<Offence> list;
   const std::vector<double> gaps = joint_gaps(view.scene, view.bodies);
   const bool is_direct = view.scene.settings.joints == engine::JointSolverKind::direct;
-  for (std::size_t i = 0; i < view.joints.size(); ++i) {
+  for (std::uint32_t i = 0; i < view.joints.row_count(); ++i) {
     const std::uint32_t number = view.joints.whole(i, "joint");
     const Joint& joint = view.scene.joints[number];
     const double gap = gaps[number];
@@ -256,8 +225,8 @@ std::vector<Offence> joint_offences(const TickView& view, std::vector<double>& p
       mobility *= 1 + joint.ratio * joint.ratio;
     }
     const SoftLaw law = soft_law(joint_hertz_h, joint_damping_ratio, h);
-    const double force = std::hypot(view.joints.real(i, "linear_force", 0), view.joints.real(i, "linear_force", 1));
-    const double torque = std::fabs(view.joints.real(i, "torque"));
+    const double force = std::hypot(view.joints.value(i, "linear_force", 0), view.joints.value(i, "linear_force", 1));
+    const double torque = std::fabs(view.joints.value(i, "torque"));
     const double rate = std::min(law.bias_rate, is_direct ? direct_push_rate : infinite);
     const double tolerance =
         view.slack_of(ends[0], ends[1]) + turned_away + view.asleep_slack_of(ends[0], ends[1], rate);
@@ -369,7 +338,7 @@ void find_driven(const TickView& view, std::vector<std::uint8_t>& is_crushed) {
   };
   for (const ContactReport& contact : view.contacts)
     if (overlaps(contact)) tie(view.index.at(contact.body_a), view.index.at(contact.body_b));
-  for (std::size_t i = 0; i < view.joints.size(); ++i) {
+  for (std::uint32_t i = 0; i < view.joints.row_count(); ++i) {
     std::optional<std::uint32_t> last;
     engine::for_each_body(view.scene, view.scene.joints[view.joints.whole(i, "joint")], [&](std::uint32_t id) {
       if (!is_dynamic(view.bodies[view.index.at(id)])) return;
@@ -496,16 +465,8 @@ void ConstraintLaw::look(const engine::Engine& engine, double dt) {
   // One pass moves what touches several bodies by half of a push at worst. Schemes that take half of a force take half
   // of a push that is no larger than a force.
   const bool takes_all = scene_.settings.integrator == engine::IntegratorKind::semi_implicit_euler;
-  TickView view{scene_,
-                dt,
-                engine.bodies(),
-                engine.contacts(),
-                TableReader(state, "joints", scene_.settings.precision),
-                {},
-                {},
-                {},
-                {},
-                takes_all ? 0.5 : 0.25};
+  TickView view{scene_, dt, engine.bodies(),       engine.contacts(), NamedTable(state, "joints"), {}, {},
+                {},     {}, takes_all ? 0.5 : 0.25};
   for (std::uint32_t i = 0; i < view.bodies.size(); ++i) {
     const BodyReport& body = view.bodies[i];
     view.index[body.id] = i;
@@ -514,7 +475,7 @@ void ConstraintLaw::look(const engine::Engine& engine, double dt) {
                                                    : extents_.emplace(body.id, extent_of(body)).first->second);
   }
   view.h = substeps_of(scene_, state, dt, view.index);
-  view.is_asleep = find_asleep(scene_, state, view.index);
+  view.is_asleep = find_asleep(state, view.index);
   std::vector<std::uint8_t> is_crushed(view.bodies.size());
   find_squeezed(view, is_crushed);
   find_driven(view, is_crushed);

@@ -4,11 +4,11 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstring>
 #include <numeric>
 
 #include "engine/math/union_find.h"
 #include "tool/drawing/joint_geometry.h"
+#include "tool/expression/named_table.h"
 #include "tool/play/picture/theme.h"
 
 namespace ticktrue::play {
@@ -17,41 +17,10 @@ namespace {
 using engine::Point;
 using verifier::DrawnBody;
 using verifier::Figure;
+using verifier::NamedTable;
 using verifier::Outline;
 
 constexpr double two_pi = 6.283185307179586;
-
-/// Reads a column of a table by name; nothing where there is none such.
-class TableReader {
- public:
-  TableReader(const StateView& state, std::string_view name) {
-    const auto index = state.schema->find_table(name);
-    if (!index) return;
-    schema_ = &state.schema->tables[*index];
-    rows_ = state.tables[*index];
-  }
-  std::uint32_t row_count() const { return rows_.row_count; }
-  double value(std::uint32_t row, std::string_view column, std::size_t lane = 0) const {
-    for (const Column& c : schema_->columns) {
-      if (c.name != column) continue;
-      const std::uint8_t* at = rows_.data + static_cast<std::size_t>(row) * schema_->row_size + c.offset;
-      if (c.type == ScalarType::u32) return read<std::uint32_t>(at, lane);
-      if (c.type == ScalarType::f32) return static_cast<double>(read<float>(at, lane));
-      if (c.type == ScalarType::f64) return read<double>(at, lane);
-    }
-    return 0;
-  }
-
- private:
-  template <typename T>
-  static T read(const std::uint8_t* at, std::size_t lane) {
-    T value;
-    std::memcpy(&value, at + lane * sizeof value, sizeof value);
-    return value;
-  }
-  const TableSchema* schema_ = nullptr;
-  TableRows rows_;
-};
 
 Color color_of(const DrawnBody& body, const Figure& figure) {
   switch (figure.type) {
@@ -150,10 +119,10 @@ void WorldPicture::draw_body(Canvas& canvas, const View& view, const DrawnBody& 
 
 void WorldPicture::find_sleepers() {
   asleep_.assign(bodies_.size(), 0);
-  const TableReader sleep(engine_.state(), "sleep");
+  const NamedTable sleep(engine_.state(), "sleep");
   for (std::uint32_t row = 0; row < sleep.row_count(); ++row) {
-    const std::size_t body = row_of(static_cast<std::uint32_t>(sleep.value(row, "body")));
-    if (body < bodies_.size()) asleep_[body] = sleep.value(row, "asleep") != 0 ? 1 : 0;
+    const std::size_t body = row_of(sleep.whole(row, "body"));
+    if (body < bodies_.size()) asleep_[body] = sleep.whole(row, "asleep") != 0 ? 1 : 0;
   }
 }
 
@@ -229,10 +198,10 @@ void WorldPicture::draw_contacts(Canvas& canvas, const View& view, const LayerSe
 }
 
 void WorldPicture::draw_joints(Canvas& canvas, const View& view) {
-  const TableReader table(engine_.state(), "joints");
+  const NamedTable table(engine_.state(), "joints");
   const auto mark = [&](const Point& point) { canvas.circle(view.to_pixel(point), 2.5, {theme::joint, {}, 0}); };
   for (std::uint32_t row = 0; row < table.row_count(); ++row) {
-    const auto index = static_cast<std::size_t>(table.value(row, "joint"));
+    const auto index = std::size_t{table.whole(row, "joint")};
     if (index >= engine_.scene().joints.size()) continue;
     const engine::Joint joint = verifier::shown_joint(engine_.scene(), engine_.scene().joints[index]);
     const DrawnBody* b = find(joint.body_b);
@@ -273,9 +242,9 @@ void WorldPicture::draw_broad_phase(Canvas& canvas, const View& view, const Laye
 }
 
 void WorldPicture::draw_pulls(Canvas& canvas, const View& view) {
-  const TableReader pointers(engine_.state(), "pointers");
+  const NamedTable pointers(engine_.state(), "pointers");
   for (std::uint32_t row = 0; row < pointers.row_count(); ++row) {
-    const DrawnBody* body = find(static_cast<std::uint32_t>(pointers.value(row, "body")));
+    const DrawnBody* body = find(pointers.whole(row, "body"));
     if (body == nullptr) continue;
     const double x = pointers.value(row, "anchor", 0), y = pointers.value(row, "anchor", 1);
     const Pixel from =
