@@ -60,8 +60,8 @@ void compare(benchmark::State& bench, Range x, Range y) {
   const Arguments<Real> arguments = arguments_in<Real>(x, y);
   std::vector<double> our_times, their_times, ratios;
   for (auto _ : bench) {
-    our_times.push_back(time_of(arguments, [](Real x, Real y) { return ours(x, y); }));
-    their_times.push_back(time_of(arguments, [](Real x, Real y) { return theirs(x, y); }));
+    our_times.push_back(time_of(arguments, [](Real a, Real b) { return ours(a, b); }));
+    their_times.push_back(time_of(arguments, [](Real a, Real b) { return theirs(a, b); }));
     ratios.push_back(our_times.back() / their_times.back());
   }
   bench.counters["ours_ns"] = median(our_times);

@@ -1,7 +1,7 @@
 # Parses each source file of a build separately. A unity build hides missing includes and colliding names.
 # SPDX-License-Identifier: MIT
 #
-#   each_file.py BUILD [--only WORD] [-j N]
+#   each_file.py BUILD [--only WORD] [--newest N] [-j N]
 #
 # BUILD was configured without unity and has compile_commands.json. A file that is compiled several times, for example
 # for each precision, is parsed once. Precompiled headers are disabled, because they also hide missing includes. Exit
@@ -38,14 +38,25 @@ def parse(entry):
     return entry["file"], done.returncode, done.stdout + done.stderr
 
 
+def newest_sources(count):
+    """The sources that git changed last."""
+    log = subprocess.run(["git", "log", "-n", "300", "--format=", "--name-only", "--diff-filter=AMR"],
+                         capture_output=True, text=True, check=True)
+    return list(dict.fromkeys(name for name in log.stdout.split("\n") if name.endswith(".cpp")))[:count]
+
+
 def main():
     parser = argparse.ArgumentParser()
     parser.add_argument("build")
     parser.add_argument("--only", default="", help="files with this word in their path")
+    parser.add_argument("--newest", type=int, metavar="N", help="the N sources of this folder that git changed last")
     parser.add_argument("-j", type=int, default=os.cpu_count())
     args = parser.parse_args()
     with open(os.path.join(args.build, "compile_commands.json")) as file:
         entries = {entry["file"]: entry for entry in json.load(file) if args.only in entry["file"]}
+    if args.newest:
+        newest = {os.path.realpath(name) for name in newest_sources(args.newest)}
+        entries = {path: entry for path, entry in entries.items() if os.path.realpath(path) in newest}
     generated = [path for path in entries if path.startswith(os.path.realpath(args.build) + os.sep)]
     for path in generated:
         del entries[path]

@@ -15,6 +15,7 @@
 namespace ticktrue::test {
 namespace {
 
+using engine::Precision;
 using verifier::AccuracyCurve;
 using verifier::Problem;
 using verifier::ReferenceTable;

@@ -11,6 +11,7 @@ namespace {
 
 using replay::TraceCondition;
 using verifier::Verdict;
+using verifier::VerifyOptions;
 
 enum class Hole { zeros, noise, removed, inserted, cut };
 
@@ -120,7 +121,7 @@ TEST_CASE("verify compares the ticks that recovery saves, and they are never a m
         REQUIRE(reader);
         VerifyOptions options = verify_options(toy_info);
         options.in_segments = in_segments;
-        const verifier::Report report = verify(*reader, options);
+        const verifier::Report report = verifier::verify(*reader, options);
         REQUIRE(report.verdict == Verdict::damaged);
         REQUIRE(report.ticks_compared == recovered->ticks_written);
         REQUIRE(report.end);
@@ -140,7 +141,7 @@ TEST_CASE("verify compares the ticks that recovery saves, and they are never a m
         REQUIRE(reader);
         VerifyOptions options = verify_options(toy_info);
         options.to = to;
-        const verifier::Report report = verify(*reader, options);
+        const verifier::Report report = verifier::verify(*reader, options);
         REQUIRE(report.ticks_compared == to + 1);
         REQUIRE(report.verdict == (to < proven ? Verdict::match : Verdict::damaged));
       }

@@ -18,8 +18,8 @@ using engine::Precision;
 using engine::Scene;
 
 constexpr double turn_seconds = 10;
-constexpr double bend = 0.02;      // rad
-constexpr double whip_bend = 0.3;  // rad
+constexpr double slight_bend = 0.02;  // rad
+constexpr double whip_bend = 0.3;     // rad
 
 // Rotates all moving bodies about the origin as one rigid body.
 void spin(Scene& scene, double speed) {
@@ -137,9 +137,9 @@ void add_floating_cases(std::vector<StressCase>& cases) {
                0.4, [=](Precision precision) { return bolas(precision, speed, whip_bend, is_pinned); });
     for (const double speed : {5.0, 20.0, 50.0})
       add_pair(cases, name + "bent_bolas_" + plain_number(speed),
-               "the same, and the links bend by " + plain_number(bend) + " rad in turns, at " + plain_number(speed) +
-                   " rad/s, 10 s",
-               0.4, [=](Precision precision) { return bolas(precision, speed, bend, is_pinned); });
+               "the same, and the links bend by " + plain_number(slight_bend) + " rad in turns, at " +
+                   plain_number(speed) + " rad/s, 10 s",
+               0.4, [=](Precision precision) { return bolas(precision, speed, slight_bend, is_pinned); });
   }
 }
 
