@@ -197,7 +197,8 @@ class Workshop:
         return max(1, os.cpu_count() // self.options.jobs)
 
     def build_command(self, threads):
-        return f"cmake --build '{self.build_dir}' -j {threads} --target {self.options.target}"
+        # One workshop takes from the compiler cache what another has compiled.
+        return f"CCACHE_BASEDIR='{self.out}' CCACHE_NOHASHDIR=1 cmake --build '{self.build_dir}' -j {threads} --target {self.options.target}"
 
     def program(self):
         return os.path.join(self.build_dir, 'ticktrue')
