@@ -200,6 +200,94 @@ Problem rack() {
   return problem;
 }
 
+// Two weights of 2 kg on a rope over two wheels of different heights; the sides of the rope count 1 and 2 times. The
+// first falls with g r (r m1 - m2) / (r^2 m1 + m2) = 4 m/s^2, the second rises with half of that.
+Problem tackle() {
+  Problem problem = of_joints("tackle", "a weight falls and pulls up another over a pulley of ratio 2, 2 s: both ways",
+                              "closed form", 2);
+  problem.scale = 8;
+  problem.scene = [](Precision precision) {
+    Scene scene = worlds::empty(precision);
+    scene.bodies = {worlds::weighted(worlds::disc(0.1), {-1, 1}, 2), worlds::weighted(worlds::disc(0.1), {1.5, -2}, 2)};
+    engine::Joint pulley = worlds::joint(JointKind::pulley, 0, 1);
+    pulley.ground_anchor_a = {-1, 3};
+    pulley.ground_anchor_b = {1.5, 5};
+    pulley.ratio = 2;
+    pulley.length = 2 + 2 * 7;
+    scene.joints = {pulley};
+    return scene;
+  };
+  problem.observe = [](const Engine& engine) {
+    const std::vector<BodyReport> bodies = engine.bodies();
+    return std::vector<double>{1 - bodies[0].center.y, bodies[1].center.y + 2};
+  };
+  problem.exact = [](double t) { return std::vector<double>{2 * t * t, t * t}; };
+  problem.slope = 1;
+  problem.slope_of_higher = 2;
+  set_bars(problem, 0.01);
+  return problem;
+}
+
+// A bar turns with 1 rad/s; a bead slides outward on it: r'' = r.
+Problem bead() {
+  Problem problem = of_joints("bead", "a bead slides outward on a bar that turns with 1 rad/s, 2 s: x and y",
+                              "closed form (cosh)", 2);
+  problem.scale = std::cosh(2.0);
+  problem.scene = [](Precision precision) {
+    Scene scene = worlds::empty(precision);
+    scene.gravity = {0, 0};
+    scene.bodies = {worlds::body(worlds::box(4, 0.05), {0, 0}, engine::BodyType::kinematic_body), bob({1, 0})};
+    scene.bodies[0].angular_velocity = scene.bodies[1].angular_velocity = 1;
+    scene.bodies[1].velocity = {0, 1};
+    scene.joints = {worlds::joint(JointKind::prismatic, 0, 1)};
+    scene.joints[0].axis = {1, 0};
+    return scene;
+  };
+  problem.observe = [](const Engine& engine) {
+    const Point center = engine.bodies()[1].center;
+    return std::vector<double>{center.x, center.y};
+  };
+  problem.exact = [](double t) { return std::vector<double>{std::cosh(t) * std::cos(t), std::cosh(t) * std::sin(t)}; };
+  problem.slope = 2;  // no force acts but that of the joint
+  set_bars(problem, 0.02);
+  return problem;
+}
+
+// How far a body has fallen with 10 m/s^2 that something stops after `way` m.
+double stopped_fall(double t, double way) {
+  return std::min(way, 5 * t * t);
+}
+
+// A slider falls 4 m down a rail to its limit, and a weight falls 3 m until its rope is taut.
+Problem stops() {
+  constexpr double way_of_slider = 4, way_of_weight = 3;
+  Problem problem = of_joints(
+      "stops", "a slider falls to the end of its rail and a weight to that of its rope, 2 s: ways", "closed form", 2);
+  problem.scale = way_of_slider;
+  problem.scene = [](Precision precision) {
+    Scene scene = worlds::empty(precision);
+    scene.bodies = {worlds::peg({0, 0}), bob({0, 0}), bob({2, -0.5})};
+    engine::Joint rail = worlds::joint(JointKind::prismatic, 0, 1);
+    rail.axis = {0, 1};
+    rail.limits = engine::Range{-way_of_slider, 1};
+    engine::Joint rope = worlds::joint(JointKind::distance, 0, 2, {2, 0});
+    rope.limits = engine::Range{0, 0.5 + way_of_weight};
+    scene.joints = {rail, rope};
+    return scene;
+  };
+  problem.observe = [](const Engine& engine) {
+    const std::vector<BodyReport> bodies = engine.bodies();
+    return std::vector<double>{-bodies[1].center.y, -0.5 - bodies[2].center.y};
+  };
+  problem.exact = [](double t) {
+    return std::vector<double>{stopped_fall(t, way_of_slider), stopped_fall(t, way_of_weight)};
+  };
+  problem.slope = 1;  // a limit lets a body come as far as it within the substep
+  problem.slope_of_higher = 2;
+  set_bars(problem, 0.02);
+  return problem;
+}
+
 Problem catenary() {
   Problem problem = of_joints("catenary", "20 links of 0.6 m between pegs 10 m apart, hung for 20 s: lowest point",
                               "exact equations of the links (sag 2.927214753 m)", 20);
@@ -265,6 +353,9 @@ std::vector<Problem> joint_problems() {
           slider_motor(),
           geared_pendulum(),
           rack(),
+          tackle(),
+          bead(),
+          stops(),
           catenary(),
           straight_chain(),
           cantilever()};

@@ -101,11 +101,11 @@ Mechanism on_wheel(Precision precision) {
 Mechanism on_pulley(Precision precision) {
   Mechanism out = empty_mechanism(precision);
   const engine::SinCos lean = engine::sin_cos(0.5);
-  out.scene.bodies.push_back(worlds::weighted(worlds::disc(0.1), {5 * lean.sin, -5 * lean.cos}, 1));
-  out.scene.bodies.push_back(worlds::weighted(worlds::disc(0.1), {-4, -5}, 1.0625));
+  out.scene.bodies.push_back(worlds::weighted(worlds::disc(0.1), {5 * lean.sin, 2 - 5 * lean.cos}, 1));
+  out.scene.bodies.push_back(worlds::weighted(worlds::disc(0.1), {-4, -3}, 1.0625));
   engine::Joint pulley = worlds::joint(JointKind::pulley, 1, 2);
-  pulley.ground_anchor_a = {0, 0};
-  pulley.ground_anchor_b = {-4, 0};
+  pulley.ground_anchor_a = {0, 2};
+  pulley.ground_anchor_b = {-4, 2};
   pulley.length = 10;
   out.scene.joints = {pulley};
   out.swing = 10 * 5 * (1 - lean.cos);
