@@ -52,7 +52,7 @@ std::vector<std::string> values_of(const std::string& text) {
   return values;
 }
 
-/// What a scene calls an element of a list; empty: nothing.
+/// The name of an element of a list; empty if it has none.
 std::string name_of(const Json& element) {
   const auto name = element.is_object() ? element.find("name") : element.end();
   return name != element.end() && name->is_string() ? name->get<std::string>() : std::string();

@@ -168,7 +168,7 @@ Problem geared_pendulum() {
   problem.slope = 1;
   problem.slope_of_higher = 2;    // the impulses of joints move bodies for the whole step (Andersen 1983)
   set_bars(problem, 0.02, 0.05);  // 1 % of the energy of the fall
-  // What a wrong impulse of the gear on the pinned body doubles.
+  // A wrong impulse of the gear on the pinned body doubles the error of these two.
   for (const char* method : {"tgs_soft verlet", "tgs_soft rk4"}) problem.bars.push_back({method, "4 sub", 0.001, 0});
   return problem;
 }
