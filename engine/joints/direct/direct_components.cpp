@@ -157,15 +157,22 @@ void DirectComponents::finish(const Model& model, const State& state) {
     };
     std::vector<GraphJoint> joints;
     for (const std::uint32_t joint : component.joints) {
-      DirectJoint shape;
-      shape.shape = shape_of(model.joints[places_[joint].joint]);
-      shape.body_a = index_of(places_[joint].body_a);
-      shape.body_b = index_of(places_[joint].body_b);
-      shape.shape.meets_in_middle = shape.body_a < component.moving_count && shape.body_b < component.moving_count;
+      JointShape shape = shape_of(model.joints[places_[joint].joint]);
+      DirectJoint ends;
+      ends.body_a = index_of(places_[joint].body_a);
+      ends.body_b = index_of(places_[joint].body_b);
+      shape.meets_in_middle = ends.body_a < component.moving_count && ends.body_b < component.moving_count;
       const auto body_turns = [&](std::uint32_t body) { return body < turns.size() && turns[body] != 0; };
-      joints.push_back(graph_joint(shape, component.moving_count, body_turns(shape.body_a), body_turns(shape.body_b)));
-      component.is_free = component.is_free && is_internal(shape, component.moving_count);
+      joints.push_back(
+          graph_joint(shape, ends, component.moving_count, body_turns(ends.body_a), body_turns(ends.body_b)));
+      component.is_free = component.is_free && is_internal(shape, ends, component.moving_count);
+      const JointEquations rows = equations_of(shape, Pose{}, Pose{});
+      ends.equations.rigid_count = rows.rigid_count;
+      ends.equations.row_count = rows.row_count;
+      ends.first_drive = component.drive_count;
+      component.drive_count += rows.row_count - rows.rigid_count;
       component.shapes.push_back(shape);
+      component.ends.push_back(ends);
     }
     const auto moving_count = static_cast<std::uint32_t>(component.moving_count);
     if (count_loops(moving_count, joints) > direct_loop_max) continue;

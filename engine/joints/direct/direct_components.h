@@ -31,8 +31,10 @@ struct DirectComponent {
   std::vector<std::uint32_t> joints;  // rows in State::joints
   std::vector<std::uint32_t> bodies;  // rows; bodies that joints move come first, ascending
   std::size_t moving_count = 0;
-  bool is_free = true;              // each joint acts on two moving bodies, with opposite impulses
-  std::vector<DirectJoint> shapes;  // [joint] shape and bodies alone
+  bool is_free = true;             // each joint acts on two moving bodies, with opposite impulses
+  std::vector<JointShape> shapes;  // [joint]
+  std::vector<DirectJoint> ends;   // [joint] bodies and numbers of rows alone
+  std::uint32_t drive_count = 0;   // of all joints
   std::shared_ptr<const JointGraph> graph;
 };
 

@@ -15,6 +15,14 @@ namespace ticktrue::engine {
 
 enum class DriveState : std::uint8_t { free, motor, motor_at_most, motor_at_least, at_lower, at_upper };
 
+/// The equation of a row in the system. Outside of the system, the impulse of a row is given.
+struct RowLaw {
+  bool is_in_system = false;
+  double compliance = 0;
+  double speed = 0;    // w
+  double impulse = 0;  // outside
+};
+
 struct DirectDrive {
   double mobility = 0;  // K; 0: of the row alone
   bool has_spring = false;
@@ -30,14 +38,7 @@ struct DirectDrive {
   DriveState state = DriveState::free;
   double start_speed = 0;  // v
   double start_error = 0;  // x
-};
-
-/// The equation of a row in the system. Outside of the system, the impulse of a row is given.
-struct RowLaw {
-  bool is_in_system = false;
-  double compliance = 0;
-  double speed = 0;    // w
-  double impulse = 0;  // outside
+  RowLaw law;
 };
 
 inline bool is_at_limit(const DirectDrive& drive) {

@@ -71,12 +71,14 @@ void find_moved_poses(DirectIsland& island, double h) {
 }
 
 /// The errors of the joint's rows after the move. Requires: find_moved_poses.
-Triple moved_errors(const DirectIsland& island, const DirectJoint& joint) {
+Triple moved_errors(const DirectIsland& island, std::size_t index) {
   constexpr Pose world;
+  const DirectJoint& joint = island.joints[index];
+  const JointShape& shape = island.shapes[index];
   const Pose& a = joint.body_a == no_direct_body ? world : island.moved_poses[joint.body_a];
   const Pose& b = joint.body_b == no_direct_body ? world : island.moved_poses[joint.body_b];
-  if (!is_point(joint.shape)) return equations_of(joint.shape, a, b).errors;
-  const Place gap = point_gap(joint.shape, a, b);
+  if (!is_point(shape)) return equations_of(shape, a, b).errors;
+  const Place gap = point_gap(shape, a, b);
   return {gap.x, gap.y, 0};
 }
 
@@ -122,11 +124,17 @@ double mobility(const DirectIsland& island, const DirectJoint& joint, std::size_
   return coupling(island, joint, row, row);
 }
 
-DirectDrive& drive_of(DirectJoint& joint, std::size_t row) {
-  return joint.drives[row - joint.equations.rigid_count];
+/// Of a row after the rigid ones.
+DirectDrive& drive_of(DirectIsland& island, const DirectJoint& joint, std::size_t row) {
+  return island.drives[joint.first_drive + (row - joint.equations.rigid_count)];
 }
-const DirectDrive& drive_of(const DirectJoint& joint, std::size_t row) {
-  return joint.drives[row - joint.equations.rigid_count];
+const DirectDrive& drive_of(const DirectIsland& island, const DirectJoint& joint, std::size_t row) {
+  return island.drives[joint.first_drive + (row - joint.equations.rigid_count)];
+}
+
+RowLaw law_of(const DirectIsland& island, const DirectJoint& joint, std::size_t row) {
+  if (row < joint.equations.rigid_count) return {true, 0, 0, 0};
+  return drive_of(island, joint, row).law;
 }
 
 /// The correction of a gap in a substep, m.
@@ -202,11 +210,11 @@ void set_residuals(DirectIsland& island, const Residual& residual) {
 double residual_of(const DirectIsland& island, const DirectJoint& joint, std::size_t row, double then, double h) {
   const double soft = joint.compliances[row] * joint.impulses[row];
   if (row < joint.equations.rigid_count) return (then - target_of(island, joint.equations.errors[row], h)) / h + soft;
-  if (!joint.laws[row].is_in_system) return 0;
-  const DirectDrive& drive = drive_of(joint, row);
+  const DirectDrive& drive = drive_of(island, joint, row);
+  if (!drive.law.is_in_system) return 0;
   if (!is_at_limit(drive)) {
     const double speed = acts_like_force(drive) ? row_speed(island, joint, row) : row_drift(island, joint, row);
-    return (speed - joint.laws[row].speed) + soft;
+    return (speed - drive.law.speed) + soft;
   }
   const double limit = drive.state == DriveState::at_lower ? drive.lower : drive.upper;
   const double over = drive.start_error - limit;
@@ -231,7 +239,7 @@ double set_position_residuals(DirectIsland& island, double h) {
   double most = 0;
   for (std::size_t i = 0; i < island.joints.size(); ++i) {
     const DirectJoint& joint = island.joints[i];
-    const Triple then = moved_errors(island, joint);
+    const Triple then = moved_errors(island, i);
     Triple& value = island.system.values[island.graph->joint_nodes[i]];
     for (std::size_t row = 0; row < joint.equations.row_count; ++row) {
       value[row] = -residual_of(island, joint, row, then[row], h);
@@ -269,9 +277,10 @@ void factor_laws(DirectIsland& island) {
     for (std::size_t row = 0; row < 3; ++row) {
       joint.compliances[row] = 1;
       if (row >= joint.equations.row_count) continue;
-      const double k = joint.laws[row].is_in_system ? mobility(island, joint, row) : 0;
+      const RowLaw law = law_of(island, joint, row);
+      const double k = law.is_in_system ? mobility(island, joint, row) : 0;
       if (k > 0)
-        joint.compliances[row] = joint.laws[row].compliance > share * k ? joint.laws[row].compliance : share * k;
+        joint.compliances[row] = law.compliance > share * k ? law.compliance : share * k;
       else
         is_whole = false;
     }
@@ -283,7 +292,7 @@ void factor_laws(DirectIsland& island) {
     Block of_a = joint.equations.gradient_a;
     Block of_b = joint.equations.gradient_b;
     for (std::size_t row = 0; row < joint.equations.row_count; ++row) {
-      if (joint.laws[row].is_in_system && mobility(island, joint, row) > 0) continue;
+      if (law_of(island, joint, row).is_in_system && mobility(island, joint, row) > 0) continue;
       for (std::size_t column = 0; column < 3; ++column) of_a[3 * row + column] = of_b[3 * row + column] = 0;
     }
     if (stays(joint.body_a)) of_a[2] = of_a[5] = of_a[8] = 0;
@@ -296,9 +305,10 @@ void factor_laws(DirectIsland& island) {
 /// Calls body(joint, row, drive, mobility) for each row with a drive.
 template <typename Body>
 void for_drives(DirectIsland& island, const Body& body) {
+  if (!island.has_drives) return;
   for (DirectJoint& joint : island.joints)
     for (std::size_t row = joint.equations.rigid_count; row < joint.equations.row_count; ++row) {
-      DirectDrive& drive = drive_of(joint, row);
+      DirectDrive& drive = drive_of(island, joint, row);
       const double k = exists(drive) ? mobility(island, joint, row) : 0;
       if (k > 0) body(joint, row, drive, drive.mobility > 0 ? drive.mobility : k);
     }
@@ -318,11 +328,11 @@ bool change_states(DirectIsland& island, double h) {
     if (update_state(drive, k, joint.impulses[row], row_drift(island, joint, row), h)) is_changed = true;
   });
   if (!is_changed) return false;
-  for_drives(island, [&](DirectJoint& joint, std::size_t row, const DirectDrive& drive, double k) {
-    joint.laws[row] = law_of(drive, k);
-    if (joint.laws[row].is_in_system) return;
-    apply_row(island, joint, row, joint.laws[row].impulse - joint.impulses[row]);
-    joint.impulses[row] = joint.laws[row].impulse;
+  for_drives(island, [&](DirectJoint& joint, std::size_t row, DirectDrive& drive, double k) {
+    drive.law = law_of(drive, k);
+    if (drive.law.is_in_system) return;
+    apply_row(island, joint, row, drive.law.impulse - joint.impulses[row]);
+    joint.impulses[row] = drive.law.impulse;
   });
   factor_laws(island);
   return true;
@@ -355,19 +365,14 @@ void save_velocities(DirectIsland& island) {
   island.saved_velocities.resize(island.moving_count);
   for (std::size_t i = 0; i < island.moving_count; ++i) island.saved_velocities[i] = island.bodies[i].velocity;
   island.saved_impulses.resize(island.joints.size());
-  island.saved_drives.resize(island.has_drives ? island.joints.size() : 0);
-  for (std::size_t i = 0; i < island.joints.size(); ++i) {
-    island.saved_impulses[i] = island.joints[i].impulses;
-    if (island.has_drives) island.saved_drives[i] = island.joints[i].drives;
-  }
+  for (std::size_t i = 0; i < island.joints.size(); ++i) island.saved_impulses[i] = island.joints[i].impulses;
+  island.saved_drives = island.drives;
 }
 
 void restore_velocities(DirectIsland& island) {
   for (std::size_t i = 0; i < island.moving_count; ++i) island.bodies[i].velocity = island.saved_velocities[i];
-  for (std::size_t i = 0; i < island.joints.size(); ++i) {
-    island.joints[i].impulses = island.saved_impulses[i];
-    if (island.has_drives) island.joints[i].drives = island.saved_drives[i];
-  }
+  for (std::size_t i = 0; i < island.joints.size(); ++i) island.joints[i].impulses = island.saved_impulses[i];
+  island.drives = island.saved_drives;
 }
 
 /// Twice the energy of the changes since save_velocities, and twice the energy before the changes, J.
@@ -404,17 +409,16 @@ AskedSpeed asked_speed(const DirectIsland& island) {
     asked.is_driven = asked.is_driven || speed > 0;
     if (speed > asked.sum) asked.sum = speed;
   };
-  for (const DirectJoint& joint : island.joints) {
-    consider(joint.body_a, joint.shape.anchor_a);
-    consider(joint.body_b, joint.shape.anchor_b);
+  for (std::size_t i = 0; i < island.joints.size(); ++i) {
+    consider(island.joints[i].body_a, island.shapes[i].anchor_a);
+    consider(island.joints[i].body_b, island.shapes[i].anchor_b);
   }
   asked.sum += push_body_speed + resting_body_speed;
-  for (const DirectJoint& joint : island.joints)
-    for (const DirectDrive& drive : joint.drives) {
-      if (drive.has_spring) asked.sum += drive.pull * magnitude(drive.start_error);
-      if (drive.has_motor) asked.sum += magnitude(drive.motor_speed);
-      if (drive.has_limits) asked.sum += push_speed_max;
-    }
+  for (const DirectDrive& drive : island.drives) {
+    if (drive.has_spring) asked.sum += drive.pull * magnitude(drive.start_error);
+    if (drive.has_motor) asked.sum += magnitude(drive.motor_speed);
+    if (drive.has_limits) asked.sum += push_speed_max;
+  }
   return asked;
 }
 
@@ -437,15 +441,16 @@ Pose moved(const DirectBody& body, double h) {
           turn.sin * body.pose.c + turn.cos * body.pose.s};
 }
 
-GraphJoint graph_joint(const DirectJoint& joint, std::size_t moving_count, bool a_turns, bool b_turns) {
+GraphJoint graph_joint(const JointShape& shape, const DirectJoint& joint, std::size_t moving_count, bool a_turns,
+                       bool b_turns) {
   GraphJoint row;
   const bool a_moves = joint.body_a < moving_count;
   const bool b_moves = joint.body_b < moving_count;
   if (a_moves) row.bodies[row.body_count++] = joint.body_a;
   if (b_moves) row.bodies[row.body_count++] = joint.body_b;
   row.is_to_world = !a_moves || !b_moves;
-  row.is_last = joint.shape.kind == JointKind::pulley;  // the direction of a short side is undefined
-  const JointEquations equations = equations_of(joint.shape, Pose{}, Pose{});
+  row.is_last = shape.kind == JointKind::pulley;  // the direction of a short side is undefined
+  const JointEquations equations = equations_of(shape, Pose{}, Pose{});
   for (std::uint32_t i = 0; i < equations.row_count; ++i) {
     const auto acts = [i](const Block& gradient, bool moves, bool turns) {
       return moves && (gradient[3 * i] != 0 || gradient[3 * i + 1] != 0 || (turns && gradient[3 * i + 2] != 0));
@@ -460,8 +465,8 @@ GraphJoint graph_joint(const DirectJoint& joint, std::size_t moving_count, bool 
   return row;
 }
 
-bool is_internal(const DirectJoint& joint, std::size_t moving_count) {
-  return joint.body_a < moving_count && joint.body_b < moving_count && traits_of(joint.shape.kind).conserves_momentum;
+bool is_internal(const JointShape& shape, const DirectJoint& joint, std::size_t moving_count) {
+  return joint.body_a < moving_count && joint.body_b < moving_count && traits_of(shape.kind).conserves_momentum;
 }
 
 void order_island(DirectIsland& island) {
@@ -469,11 +474,11 @@ void order_island(DirectIsland& island) {
   island.has_drives = false;
   island.is_free = true;
   std::vector<GraphJoint> joints;
-  for (const DirectJoint& joint : island.joints) {
-    joints.push_back(graph_joint(joint, island.moving_count, true, true));
-    for (const DirectDrive& drive : joint.drives) island.has_drives = island.has_drives || exists(drive);
-    island.is_free = island.is_free && is_internal(joint, island.moving_count);
+  for (std::size_t i = 0; i < island.joints.size(); ++i) {
+    joints.push_back(graph_joint(island.shapes[i], island.joints[i], island.moving_count, true, true));
+    island.is_free = island.is_free && is_internal(island.shapes[i], island.joints[i], island.moving_count);
   }
+  for (const DirectDrive& drive : island.drives) island.has_drives = island.has_drives || exists(drive);
   island.graph =
       std::make_shared<const JointGraph>(make_joint_graph(static_cast<std::uint32_t>(island.moving_count), joints));
 }
@@ -483,24 +488,26 @@ void factor_island(DirectIsland& island) {
     body.inv_mass = 1 / body.mass;
     body.inv_inertia = body.inertia > 0 ? 1 / body.inertia : 0;
   }
-  for (DirectJoint& joint : island.joints) {
+  for (std::size_t i = 0; i < island.joints.size(); ++i) {
+    DirectJoint& joint = island.joints[i];
     constexpr Pose world;
     const Pose& a = joint.body_a == no_direct_body ? world : island.bodies[joint.body_a].pose;
     const Pose& b = joint.body_b == no_direct_body ? world : island.bodies[joint.body_b].pose;
-    find_equations(joint.shape, a, b, joint.equations);
-    for (std::size_t row = 0; row < 3; ++row) joint.laws[row] = {row < joint.equations.rigid_count, 0, 0, 0};
+    find_equations(island.shapes[i], a, b, joint.equations);
   }
-  for_drives(island, [](DirectJoint& joint, std::size_t row, const DirectDrive& drive, double) {
-    joint.laws[row] = law_after_move(drive, joint.impulses[row]);
+  for (DirectDrive& drive : island.drives) drive.law = {};
+  for_drives(island, [](const DirectJoint& joint, std::size_t row, DirectDrive& drive, double) {
+    drive.law = law_after_move(drive, joint.impulses[row]);
   });
   factor_laws(island);
 }
 
-double drive_mobility(const DirectIsland& island, const DirectJoint& joint, std::size_t row) {
+double drive_mobility(const DirectIsland& island, std::size_t index, std::size_t row) {
+  const DirectJoint& joint = island.joints[index];
   const double k = mobility(island, joint, row);
   const std::uint32_t rigid_count = joint.equations.rigid_count;
   // The springs of wheels ignore the row across the axis.
-  if (rigid_count == 0 || joint.shape.kind == JointKind::wheel) return k;
+  if (rigid_count == 0 || island.shapes[index].kind == JointKind::wheel) return k;
   const double k00 = mobility(island, joint, 0);
   const double k0 = coupling(island, joint, row, 0);
   if (rigid_count == 1) return k00 > 0 ? k - k0 * k0 / k00 : k;
@@ -522,14 +529,15 @@ bool has_impulses(const DirectIsland& island) {
 bool raise_inertias(DirectIsland& island, double h) {
   std::vector<double>& angular_impulses = island.angular_impulses;
   angular_impulses.assign(island.moving_count, 0);
-  for (const DirectJoint& joint : island.joints) {
-    const bool is_point = joint.shape.kind == JointKind::revolute || joint.shape.kind == JointKind::weld;
+  for (std::size_t i = 0; i < island.joints.size(); ++i) {
+    const DirectJoint& joint = island.joints[i];
+    const JointShape& shape = island.shapes[i];
+    const bool is_point = shape.kind == JointKind::revolute || shape.kind == JointKind::weld;
     const double across = is_point ? joint.impulses[1] : 0;
     const double impulse = __builtin_sqrt(joint.impulses[0] * joint.impulses[0] + across * across);
-    const double ratio = joint.shape.kind == JointKind::pulley ? joint.shape.ratio : 1;
-    if (is_moving(island, joint.body_a)) angular_impulses[joint.body_a] += impulse * arm_of(joint.shape.anchor_a);
-    if (is_moving(island, joint.body_b))
-      angular_impulses[joint.body_b] += ratio * impulse * arm_of(joint.shape.anchor_b);
+    const double ratio = shape.kind == JointKind::pulley ? shape.ratio : 1;
+    if (is_moving(island, joint.body_a)) angular_impulses[joint.body_a] += impulse * arm_of(shape.anchor_a);
+    if (is_moving(island, joint.body_b)) angular_impulses[joint.body_b] += ratio * impulse * arm_of(shape.anchor_b);
   }
   bool any = false;
   for (std::size_t i = 0; i < island.moving_count; ++i) {
@@ -545,7 +553,7 @@ bool raise_inertias(DirectIsland& island, double h) {
 void add_force_like_changes(const DirectIsland& island, std::vector<Triple>& changes) {
   for (const DirectJoint& joint : island.joints)
     for (std::size_t row = joint.equations.rigid_count; row < joint.equations.row_count; ++row) {
-      if (!acts_like_force(drive_of(joint, row))) continue;
+      if (!acts_like_force(drive_of(island, joint, row))) continue;
       const double impulse = joint.impulses[row];
       for (const auto& [body, gradient] : {std::pair{joint.body_a, &joint.equations.gradient_a},
                                            std::pair{joint.body_b, &joint.equations.gradient_b}}) {
@@ -560,11 +568,11 @@ void add_force_like_changes(const DirectIsland& island, std::vector<Triple>& cha
 
 void begin_substep(DirectIsland& island, double h) {
   if (island.has_drives) {
-    for_drives(island, [&island](DirectJoint& joint, std::size_t row, DirectDrive& drive, double k) {
+    for_drives(island, [&island](const DirectJoint& joint, std::size_t row, DirectDrive& drive, double k) {
       drive.start_error = joint.equations.errors[row];
       drive.start_speed = row_speed(island, joint, row);
       if (drive.state == DriveState::free && drive.has_motor) drive.state = DriveState::motor;
-      joint.laws[row] = law_of(drive, k);
+      drive.law = law_of(drive, k);
     });
     factor_laws(island);
   }
@@ -596,12 +604,15 @@ void begin_substep(DirectIsland& island, double h) {
 }
 
 void start_impulses(DirectIsland& island) {
-  for (DirectJoint& joint : island.joints)
-    for (std::size_t row = 0; row < joint.impulses.size(); ++row) {
-      const bool is_given = row < joint.equations.row_count && !joint.laws[row].is_in_system;
-      joint.impulses[row] = is_given ? joint.laws[row].impulse : 0;
-      if (joint.impulses[row] != 0) apply_row(island, joint, row, joint.impulses[row]);
+  for (DirectJoint& joint : island.joints) {
+    joint.impulses = {};
+    for (std::size_t row = joint.equations.rigid_count; row < joint.equations.row_count; ++row) {
+      const RowLaw law = drive_of(island, joint, row).law;
+      if (law.is_in_system || law.impulse == 0) continue;
+      joint.impulses[row] = law.impulse;
+      apply_row(island, joint, row, law.impulse);
     }
+  }
 }
 
 void solve_velocities(DirectIsland& island, double h) {
@@ -657,7 +668,8 @@ void end_push(DirectIsland& island) {
 void project_velocities(DirectIsland& island) {
   save_velocities(island);
   set_residuals(island, [&island](const DirectJoint& joint, std::size_t row) {
-    return joint.laws[row].is_in_system ? row_speed(island, joint, row) - joint.laws[row].speed : 0;
+    const RowLaw law = law_of(island, joint, row);
+    return law.is_in_system ? row_speed(island, joint, row) - law.speed : 0;
   });
   add_velocities(island);
   bound_changes(island);

@@ -37,15 +37,14 @@ struct DirectBody {
   double inv_inertia = 1;
 };
 
+/// What each pass needs of a joint. Shapes and drives are kept apart, since few passes need them.
 struct DirectJoint {
-  JointShape shape;
   std::uint32_t body_a = no_direct_body;
   std::uint32_t body_b = no_direct_body;
-  std::array<DirectDrive, 2> drives;  // of the rows after the rigid ones
-  Triple impulses{};                  // of this substep, before the move
-  JointEquations equations;           // at the poses of the last factor_island
-  std::array<RowLaw, 3> laws;
-  Triple compliances{};  // 1/kg or 1/(kg m^2)
+  std::uint32_t first_drive = 0;  // in DirectIsland::drives, of the rows after the rigid ones
+  Triple impulses{};              // of this substep, before the move
+  JointEquations equations;       // at the poses of the last factor_island
+  Triple compliances{};           // 1/kg or 1/(kg m^2)
 };
 
 enum class PositionOutcome : std::uint8_t { met, scaled, missed };
@@ -54,17 +53,19 @@ struct DirectIsland {
   std::vector<DirectBody> bodies;  // bodies that joints move come first
   std::size_t moving_count = 0;    // the other bodies have their own pose and velocity
   std::vector<DirectJoint> joints;
+  std::vector<JointShape> shapes;   // [joint]
+  std::vector<DirectDrive> drives;  // of the rows after the rigid ones, joint by joint
   std::shared_ptr<const JointGraph> graph;
   BlockSystem system;
   std::vector<Triple> push;           // [moving body] velocities; empty: none
   std::vector<Triple> push_impulses;  // [joint]
   double push_share = 1;              // of the wanted correction
-  bool has_drives = false;
-  bool is_free = false;           // each joint acts on two moving bodies, with opposite impulses: momentum stays
-  std::vector<Pose> moved_poses;  // [body] after a move with the present velocities
+  bool has_drives = false;            // some drive exists
+  bool is_free = false;               // each joint acts on two moving bodies, with opposite impulses: momentum stays
+  std::vector<Pose> moved_poses;      // [body] after a move with the present velocities
   std::vector<Triple> saved_velocities;
   std::vector<Triple> saved_impulses;
-  std::vector<std::array<DirectDrive, 2>> saved_drives;
+  std::vector<DirectDrive> saved_drives;
   std::vector<double> angular_impulses;  // [moving body] N m s, of its joints
 };
 
@@ -73,15 +74,16 @@ Pose moved(const DirectBody& body, double h);
 
 /// The joint as a node of the graph. Joints move the bodies below `moving_count`. `a_turns`, `b_turns`: the body can
 /// rotate.
-GraphJoint graph_joint(const DirectJoint& joint, std::size_t moving_count, bool a_turns, bool b_turns);
+GraphJoint graph_joint(const JointShape& shape, const DirectJoint& joint, std::size_t moving_count, bool a_turns,
+                       bool b_turns);
 /// Whether the joint acts on two moving bodies, with opposite impulses.
-bool is_internal(const DirectJoint& joint, std::size_t moving_count);
+bool is_internal(const JointShape& shape, const DirectJoint& joint, std::size_t moving_count);
 /// Makes the graph of bodies that joints all move. Call again when bodies or joints were added or removed.
 void order_island(DirectIsland& island);
 /// Computes equations and matrix at the present poses, for project_velocities.
 void factor_island(DirectIsland& island);
 /// The mobility of a driven row while the rigid rows of its joint hold. Requires: factor_island.
-double drive_mobility(const DirectIsland& island, const DirectJoint& joint, std::size_t row);
+double drive_mobility(const DirectIsland& island, std::size_t joint, std::size_t row);
 
 /// Whether some joint has an impulse.
 bool has_impulses(const DirectIsland& island);

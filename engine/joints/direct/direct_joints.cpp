@@ -26,12 +26,8 @@ bool takes_spring(const JointShape& shape, std::size_t drive) {
   return drive == 0 && shape.is_driven;
 }
 
-std::size_t drive_count(const JointShape& shape) {
-  return (shape.is_driven ? 1u : 0u) + (shape.turns_driven ? 1u : 0u);
-}
-
-std::size_t rigid_count(const DirectJoint& joint) {
-  return equations_of(joint.shape, Pose{}, Pose{}).rigid_count;
+std::size_t drive_count(const DirectJoint& joint) {
+  return joint.equations.row_count - joint.equations.rigid_count;
 }
 
 DirectDrive make_drive(const JointModel& model, const JointShape& shape, const JointRow& row, std::size_t index,
@@ -59,17 +55,17 @@ DirectDrive make_drive(const JointModel& model, const JointShape& shape, const J
   return drive;
 }
 
-void fill_impulses(const JointRow& row, double h, DirectJoint& joint) {
-  const std::size_t rigid = rigid_count(joint);
+void fill_impulses(const JointShape& shape, const JointRow& row, double h, DirectJoint& joint) {
+  const std::size_t rigid = joint.equations.rigid_count;
   const double linear[2] = {wide(row.linear_force.x), wide(row.linear_force.y)};
   joint.impulses = {};
   std::size_t line = 0;
   for (std::size_t i = 0; i < rigid; ++i)
-    joint.impulses[i] = h * (is_torque(joint.shape.kind, i) ? wide(row.torque) : linear[line++]);
-  for (std::size_t i = 0; i < drive_count(joint.shape); ++i) {
+    joint.impulses[i] = h * (is_torque(shape.kind, i) ? wide(row.torque) : linear[line++]);
+  for (std::size_t i = 0; i < drive_count(joint); ++i) {
     double force = 0;
-    if (takes_spring(joint.shape, i)) force = wide(row.spring_force) + (wide(row.lower_force) - wide(row.upper_force));
-    if (takes_motor(joint.shape, i)) force += wide(row.motor_force);
+    if (takes_spring(shape, i)) force = wide(row.spring_force) + (wide(row.lower_force) - wide(row.upper_force));
+    if (takes_motor(shape, i)) force += wide(row.motor_force);
     joint.impulses[rigid + i] = h * force;
   }
 }
@@ -94,17 +90,21 @@ Pose pose_of(const BodyRow& at_start, const MovingBody& moved) {
 
 void fill_joints(const SolvedSet& solved, const DirectComponent& component, DirectIsland& island) {
   const double h = wide(solved.set.h);
-  island.joints = component.shapes;
+  island.joints = component.ends;
+  island.shapes = component.shapes;
+  island.drives.assign(component.drive_count, DirectDrive{});
   island.has_drives = false;
   for (std::size_t i = 0; i < island.joints.size(); ++i) {
     DirectJoint& joint = island.joints[i];
+    const JointShape& shape = island.shapes[i];
     JointRow row = solved.state.joints[component.joints[i]];
     const JointModel& model = solved.model.joints[row.joint];
-    if (keeps_spring_as_torque(model) && joint.shape.kind == JointKind::revolute) row.spring_force = row.torque;
-    fill_impulses(row, h, joint);
-    for (std::size_t k = 0; k < drive_count(joint.shape); ++k) {
-      joint.drives[k] = make_drive(model, joint.shape, row, k, h);
-      island.has_drives = island.has_drives || exists(joint.drives[k]);
+    if (keeps_spring_as_torque(model) && shape.kind == JointKind::revolute) row.spring_force = row.torque;
+    fill_impulses(shape, row, h, joint);
+    for (std::size_t k = 0; k < drive_count(joint); ++k) {
+      DirectDrive& drive = island.drives[joint.first_drive + k];
+      drive = make_drive(model, shape, row, k, h);
+      island.has_drives = island.has_drives || exists(drive);
     }
   }
 }
@@ -112,11 +112,12 @@ void fill_joints(const SolvedSet& solved, const DirectComponent& component, Dire
 void fill_springs(const SolvedSet& solved, const DirectComponent& component, DirectIsland& island) {
   if (!island.has_drives) return;
   for (std::size_t i = 0; i < island.joints.size(); ++i) {
-    DirectJoint& joint = island.joints[i];
-    DirectDrive& drive = joint.drives[0];
+    const DirectJoint& joint = island.joints[i];
+    if (drive_count(joint) == 0) continue;
+    DirectDrive& drive = island.drives[joint.first_drive];
     if (!drive.has_spring) continue;
     const SpringModel& spring = solved.model.joints[solved.state.joints[component.joints[i]].joint].spring;
-    drive.mobility = drive_mobility(island, joint, joint.equations.rigid_count);
+    drive.mobility = drive_mobility(island, i, joint.equations.rigid_count);
     drive.has_spring = drive.mobility > 0;
     if (!drive.has_spring) continue;
     const double per_mass = spring.absolute ? drive.mobility : 1;
@@ -146,6 +147,7 @@ void store_joint_forces(const SolvedSet& solved, const DirectComponent& componen
   const double inv_h = 1 / wide(solved.set.h);
   for (std::size_t i = 0; i < island.joints.size(); ++i) {
     const DirectJoint& joint = island.joints[i];
+    const JointShape& shape = island.shapes[i];
     JointRow& row = state.joints[component.joints[i]];
     const JointModel& model = solved.model.joints[row.joint];
     const auto force = [inv_h](double impulse) { return stored(static_cast<Real>(inv_h * impulse)); };
@@ -155,10 +157,10 @@ void store_joint_forces(const SolvedSet& solved, const DirectComponent& componen
     std::size_t line = 0;
     const std::size_t rigid = joint.equations.rigid_count;
     for (std::size_t k = 0; k < rigid; ++k)
-      *(is_torque(joint.shape.kind, k) ? &row.torque : linear[line++]) = force(joint.impulses[k]);
-    if (joint.shape.kind == JointKind::pulley) row.linear_force.y = model.ratio * row.linear_force.x;
-    for (std::size_t k = 0; k < drive_count(joint.shape); ++k) {
-      const DirectDrive& drive = joint.drives[k];
+      *(is_torque(shape.kind, k) ? &row.torque : linear[line++]) = force(joint.impulses[k]);
+    if (shape.kind == JointKind::pulley) row.linear_force.y = model.ratio * row.linear_force.x;
+    for (std::size_t k = 0; k < drive_count(joint); ++k) {
+      const DirectDrive& drive = island.drives[joint.first_drive + k];
       const double impulse = joint.impulses[rigid + k];
       if (drive.state == DriveState::at_lower) {
         row.lower_force = force(impulse > 0 ? impulse : 0);
@@ -174,7 +176,7 @@ void store_joint_forces(const SolvedSet& solved, const DirectComponent& componen
       if (drive.state == DriveState::motor_at_least) row.motor_force = -row.motor_force_max;
       if (drive.has_spring) row.spring_force = force(impulse - motor);
     }
-    if (keeps_spring_as_torque(model) && joint.shape.kind == JointKind::revolute) {
+    if (keeps_spring_as_torque(model) && shape.kind == JointKind::revolute) {
       row.torque = row.spring_force;
       row.spring_force = 0;
     }

@@ -138,11 +138,13 @@ void fill_island(const SolvedSet& solved, const DirectComponent& component, Dire
     body.inertia = mass.inv_inertia > 0 ? 1 / static_cast<double>(mass.inv_inertia) : 0;
   }
   load_poses(solved, component, island);
-  load_velocities(solved, component, at);
   fill_joints(solved, component, island);
   factor_island(island);
   fill_springs(solved, component, island);
-  if (!has_impulses(island)) find_first_impulses(solved, component, island);
+  if (!has_impulses(island)) {
+    load_velocities(solved, component, at);
+    find_first_impulses(solved, component, island);
+  }
   if (raise_inertias(island, static_cast<double>(solved.set.h))) {
     for (std::size_t i = 0; i < component.moving_count; ++i) {
       const double inertia = island.bodies[i].inertia;
@@ -177,17 +179,18 @@ void prepare_direct(const SolvedSet& solved, const JointPlan& plan, const std::v
 
 void begin_direct_substep(const SolvedSet& solved, DirectWorkspace& work) {
   for_islands(solved, work, [&](const DirectComponent& component, DirectSetIsland& at) {
-    load_velocities(solved, component, at);
+    if (at.island.has_drives) load_velocities(solved, component, at);
     begin_substep(at.island, static_cast<double>(solved.set.h));
   });
 }
 
 void start_direct(const SolvedSet& solved, MotionWorkspace& motion, DirectWorkspace& work) {
   for_islands(solved, work, [&](const DirectComponent& component, DirectSetIsland& at) {
-    load_velocities(solved, component, at);
+    const bool changes_velocities = at.island.has_drives || !motion.drift.joint_changes.empty();
+    if (changes_velocities) load_velocities(solved, component, at);
     at.changes.assign(component.moving_count, Triple{});
     start_impulses(at.island);
-    store_before_move(solved, motion, component, at, true);
+    if (changes_velocities) store_before_move(solved, motion, component, at, true);
   });
 }
 
@@ -212,8 +215,9 @@ void meet_direct(const SolvedSet& solved, MotionWorkspace& motion, DirectWorkspa
 void end_direct_move(const SolvedSet& solved, DirectWorkspace& work) {
   for_islands(solved, work, [&](const DirectComponent& component, DirectSetIsland& at) {
     load_poses(solved, component, at.island);
-    load_velocities(solved, component, at);
     factor_island(at.island);
+    if (at.island.push.empty()) return;
+    load_velocities(solved, component, at);
     end_push(at.island);
     store_velocities_of(solved, component, at);
   });

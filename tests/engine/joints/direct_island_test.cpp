@@ -38,16 +38,25 @@ Place in_frame(const DirectIsland& island, std::uint32_t body, Place p) {
 
 void join(DirectIsland& island, JointKind kind, std::uint32_t a, std::uint32_t b, Place at) {
   DirectJoint joint;
-  joint.shape.kind = kind;
-  joint.shape.anchor_a = in_frame(island, a, at);
-  joint.shape.anchor_b = in_frame(island, b, at);
+  JointShape shape;
+  shape.kind = kind;
+  shape.anchor_a = in_frame(island, a, at);
+  shape.anchor_b = in_frame(island, b, at);
   const Pose p = a == no_direct_body ? Pose{} : island.bodies[a].pose;
   const Pose q = island.bodies[b].pose;
-  joint.shape.reference_c = p.c * q.c + p.s * q.s;
-  joint.shape.reference_s = p.c * q.s - p.s * q.c;
+  shape.reference_c = p.c * q.c + p.s * q.s;
+  shape.reference_s = p.c * q.s - p.s * q.c;
   joint.body_a = a;
   joint.body_b = b;
   island.joints.push_back(joint);
+  island.shapes.push_back(shape);
+}
+
+// Makes the joint's degree of freedom driven. Call in the order of joints.
+void drive_joint(DirectIsland& island, std::size_t joint, const DirectDrive& drive) {
+  island.shapes[joint].is_driven = true;
+  island.joints[joint].first_drive = static_cast<std::uint32_t>(island.drives.size());
+  island.drives.push_back(drive);
 }
 
 // Rods of 1 m and 1 kg, `angle` from hanging down.
@@ -150,9 +159,8 @@ DirectIsland rail_with(const DirectDrive& drive) {
   DirectIsland island;
   add_rod(island, {0, 0}, 0, 2);
   join(island, JointKind::prismatic, no_direct_body, 0, {0, 0});
-  island.joints[0].shape.axis = {0, 1};
-  island.joints[0].shape.is_driven = true;
-  island.joints[0].drives[0] = drive;
+  island.shapes[0].axis = {0, 1};
+  drive_joint(island, 0, drive);
   order_island(island);
   return island;
 }
@@ -317,12 +325,11 @@ TEST_CASE("a motor reaches its speed, or pushes with all its force", "[engine][j
 
 TEST_CASE("limits hold a pendulum and let it go", "[engine][joints][direct]") {
   DirectIsland island = chain_of(2, 0);
-  for (DirectJoint& joint : island.joints) {
-    joint.shape.is_driven = true;
-    joint.drives[0].has_limits = true;
-    joint.drives[0].lower = -0.25;
-    joint.drives[0].upper = 0.25;
-  }
+  DirectDrive limits;
+  limits.has_limits = true;
+  limits.lower = -0.25;
+  limits.upper = 0.25;
+  for (std::size_t i = 0; i < island.joints.size(); ++i) drive_joint(island, i, limits);
   order_island(island);
   island.bodies[0].velocity = {1, 0, 2};
   island.bodies[1].velocity = {3, 0, 2};
@@ -333,7 +340,7 @@ TEST_CASE("limits hold a pendulum and let it go", "[engine][joints][direct]") {
     run_island(island, 1.0 / 240, 240, 3);
     for (const DirectJoint& joint : island.joints) {
       widest = std::max(widest, std::fabs(joint.equations.errors[2]));
-      const bool is_held = is_at_limit(joint.drives[0]);
+      const bool is_held = is_at_limit(island.drives[joint.first_drive]);
       was_free = was_free || (was_held && !is_held);
       was_held = was_held || is_held;
     }
