@@ -87,19 +87,28 @@ template <std::size_t columns, std::size_t rows>
     for (std::size_t k = 0; k <= i; ++k) r[n * i + k] -= row_product<columns>(&a[n * i], &b[n * k]);
 }
 
+/// Copies element by element: copies of whole blocks would go through memory.
+template <std::size_t rows, std::size_t columns>
+[[gnu::always_inline]] inline void copy(Block& r, const Block& a) {
+  for (std::size_t i = 0; i < rows; ++i)
+    for (std::size_t k = 0; k < columns; ++k) r[n * i + k] = a[n * i + k];
+}
+
 template <std::size_t columns>
-[[gnu::always_inline]] inline void factor_node(const JointGraph& graph, BlockSystem& system, std::size_t at) {
+[[gnu::always_inline]] inline void factor_columns(const JointGraph& graph, BlockSystem& system, std::size_t at) {
   const GraphNode& node = graph.nodes[at];
   Block& inverse = system.diagonal[at];
   invert<columns>(inverse);
   Block* const blocks = system.blocks.data() + node.first_block;
   const std::uint32_t* const rows = graph.block_rows.data() + node.first_block;
-  system.column.assign(blocks, blocks + node.block_count);
-  const Block* const column = system.column.data();
+  Block* const column = system.column.data();
   const auto dimension = [&](std::uint32_t i) { return graph.nodes[rows[i]].dimension; };
   std::uint32_t target = node.first_target;
   for (std::uint32_t i = 0; i < node.block_count; ++i)
-    with_dimension(dimension(i), [&](auto r) { set_product<r.value, columns>(blocks[i], column[i], inverse); });
+    with_dimension(dimension(i), [&](auto r) {
+      copy<r.value, columns>(column[i], blocks[i]);
+      set_product<r.value, columns>(blocks[i], column[i], inverse);
+    });
   for (std::uint32_t i = 0; i < node.block_count; ++i)
     with_dimension(dimension(i), [&](auto c) {
       subtract_lower<columns, c.value>(system.diagonal[rows[i]], blocks[i], column[i]);
@@ -150,9 +159,11 @@ template <std::size_t columns>
 }  // namespace
 
 void clear_system(const JointGraph& graph, BlockSystem& system) {
-  system.diagonal.assign(graph.nodes.size(), Block{});
-  system.blocks.assign(graph.block_rows.size(), Block{});
-  system.values.assign(graph.nodes.size(), Triple{});
+  system.diagonal.resize(graph.nodes.size());
+  system.blocks.resize(graph.block_rows.size());
+  system.values.resize(graph.nodes.size());
+  system.column.resize(graph.column_max);
+  for (const std::uint32_t block : graph.fill_blocks) system.blocks[block] = {};
 }
 
 void set_body(const JointGraph& graph, BlockSystem& system, std::uint32_t body, double mass, double inertia) {
@@ -172,9 +183,8 @@ void set_gradient(const JointGraph& graph, BlockSystem& system, std::uint32_t jo
       block[place.is_transposed ? n * column + row : n * row + column] = gradient[n * row + column];
 }
 
-void factor(const JointGraph& graph, BlockSystem& system) {
-  for (std::size_t at = 0; at < graph.nodes.size(); ++at)
-    with_dimension(graph.nodes[at].dimension, [&](auto columns) { factor_node<columns.value>(graph, system, at); });
+void factor_node(const JointGraph& graph, BlockSystem& system, std::size_t at) {
+  with_dimension(graph.nodes[at].dimension, [&](auto columns) { factor_columns<columns.value>(graph, system, at); });
 }
 
 void solve(const JointGraph& graph, BlockSystem& system) {

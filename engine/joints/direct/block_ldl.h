@@ -25,7 +25,7 @@ struct BlockSystem {
   std::vector<Block> column;    // of the node in elimination
 };
 
-/// Sets all blocks and values to 0.
+/// Gives the system the size of the graph, and sets the blocks to 0 that no joint sets.
 void clear_system(const JointGraph& graph, BlockSystem& system);
 void set_body(const JointGraph& graph, BlockSystem& system, std::uint32_t body, double mass, double inertia);
 /// Requires: compliances > 0.
@@ -34,9 +34,10 @@ void set_joint(const JointGraph& graph, BlockSystem& system, std::uint32_t joint
 void set_gradient(const JointGraph& graph, BlockSystem& system, std::uint32_t joint, std::uint32_t body_place,
                   const Block& gradient);
 
-/// Requires: every body and joint is set.
-void factor(const JointGraph& graph, BlockSystem& system);
-/// Solves for system.values. Requires: factored.
+/// Factors one node. Call for all nodes in their order. Requires: this node and the nodes of its blocks are set. Later
+/// nodes may be set afterwards, which hides that time: the nodes of a chain wait for each other.
+void factor_node(const JointGraph& graph, BlockSystem& system, std::size_t at);
+/// Solves for system.values. Requires: all nodes are factored.
 void solve(const JointGraph& graph, BlockSystem& system);
 
 }  // namespace ticktrue::engine

@@ -256,50 +256,66 @@ void pass_to_positions(DirectIsland& island, double h) {
   add_solution(island);
 }
 
-/// Fills the system from equations and laws, and factors it.
-void factor_laws(DirectIsland& island) {
-  clear_system(*island.graph, island.system);
-  const auto turns = [&island](std::uint32_t body) { return island.bodies[body].inv_inertia > 0; };
-  for (std::uint32_t i = 0; i < island.moving_count; ++i)
-    set_body(*island.graph, island.system, i, island.bodies[i].mass, turns(i) ? island.bodies[i].inertia : 1);
-  const auto set_gradients = [&](std::uint32_t joint, const Block& of_a, const Block& of_b) {
-    std::uint32_t place = 0;
-    for (const auto& [body, gradient] :
-         {std::pair{island.joints[joint].body_a, &of_a}, std::pair{island.joints[joint].body_b, &of_b}})
-      if (is_moving(island, body)) set_gradient(*island.graph, island.system, joint, place++, *gradient);
-  };
-  for (std::uint32_t i = 0; i < island.joints.size(); ++i) {
-    DirectJoint& joint = island.joints[i];
-    const bool is_redundant = island.graph->nodes[island.graph->joint_nodes[i]].is_redundant;
-    const double share = is_redundant ? redundant_compliance_share : compliance_share;
-    const auto stays = [&](std::uint32_t body) { return is_moving(island, body) && !turns(body); };
-    bool is_whole = !stays(joint.body_a) && !stays(joint.body_b);  // whether the gradients enter the system unchanged
-    for (std::size_t row = 0; row < 3; ++row) {
-      joint.compliances[row] = 1;
-      if (row >= joint.equations.row_count) continue;
-      const RowLaw law = law_of(island, joint, row);
-      const double k = law.is_in_system ? mobility(island, joint, row) : 0;
-      if (k > 0)
-        joint.compliances[row] = law.compliance > share * k ? law.compliance : share * k;
-      else
-        is_whole = false;
-    }
-    set_joint(*island.graph, island.system, i, joint.compliances);
+bool turns(const DirectBody& body) {
+  return body.inv_inertia > 0;
+}
+
+/// Whether the system takes the gradients of the body unchanged.
+bool keeps_gradient(const DirectIsland& island, std::uint32_t body) {
+  return !is_moving(island, body) || turns(island.bodies[body]);
+}
+
+/// Sets a joint of the system from its equations and laws.
+void set_joint(DirectIsland& island, std::uint32_t index) {
+  DirectJoint& joint = island.joints[index];
+  const JointEquations& equations = joint.equations;
+  const bool is_redundant = island.graph->nodes[island.graph->joint_nodes[index]].is_redundant;
+  const double share = is_redundant ? redundant_compliance_share : compliance_share;
+  joint.compliances = {1, 1, 1};
+  std::array<bool, 3> is_set{};
+  bool is_whole = keeps_gradient(island, joint.body_a) && keeps_gradient(island, joint.body_b);
+  for (std::size_t row = 0; row < equations.row_count; ++row) {
+    const RowLaw law = law_of(island, joint, row);
+    const double k = law.is_in_system ? mobility(island, joint, row) : 0;
+    is_set[row] = k > 0;
+    is_whole = is_whole && is_set[row];
+    if (is_set[row]) joint.compliances[row] = law.compliance > share * k ? law.compliance : share * k;
+  }
+  set_joint(*island.graph, island.system, index, joint.compliances);
+  std::uint32_t place = 0;
+  for (const auto& [body, gradient] :
+       {std::pair{joint.body_a, &equations.gradient_a}, std::pair{joint.body_b, &equations.gradient_b}}) {
+    if (!is_moving(island, body)) continue;
     if (is_whole) {
-      set_gradients(i, joint.equations.gradient_a, joint.equations.gradient_b);
+      set_gradient(*island.graph, island.system, index, place++, *gradient);
       continue;
     }
-    Block of_a = joint.equations.gradient_a;
-    Block of_b = joint.equations.gradient_b;
-    for (std::size_t row = 0; row < joint.equations.row_count; ++row) {
-      if (law_of(island, joint, row).is_in_system && mobility(island, joint, row) > 0) continue;
-      for (std::size_t column = 0; column < 3; ++column) of_a[3 * row + column] = of_b[3 * row + column] = 0;
-    }
-    if (stays(joint.body_a)) of_a[2] = of_a[5] = of_a[8] = 0;
-    if (stays(joint.body_b)) of_b[2] = of_b[5] = of_b[8] = 0;
-    set_gradients(i, of_a, of_b);
+    Block entries = *gradient;
+    for (std::size_t row = 0; row < equations.row_count; ++row)
+      for (std::size_t column = 0; column < 3; ++column)
+        if (!is_set[row] || (column == 2 && !turns(island.bodies[body]))) entries[3 * row + column] = 0;
+    set_gradient(*island.graph, island.system, index, place++, entries);
   }
-  factor(*island.graph, island.system);
+}
+
+/// Sets a node of the system from equations and laws.
+void set_node(DirectIsland& island, const GraphNode& node) {
+  if (node.is_joint) return set_joint(island, node.index);
+  const DirectBody& body = island.bodies[node.index];
+  set_body(*island.graph, island.system, node.index, body.mass, turns(body) ? body.inertia : 1);
+}
+
+/// Fills the system from equations and laws, and factors it.
+void factor_laws(DirectIsland& island) {
+  const JointGraph& graph = *island.graph;
+  clear_system(graph, island.system);
+  std::size_t set_count = 0;
+  for (std::size_t at = 0; at < graph.nodes.size(); ++at) {
+    const GraphNode& node = graph.nodes[at];
+    const std::size_t last = node.block_count > 0 ? graph.block_rows[node.first_block + node.block_count - 1] : at;
+    for (; set_count <= last; ++set_count) set_node(island, graph.nodes[set_count]);
+    factor_node(graph, island.system, at);
+  }
 }
 
 /// Calls body(joint, row, drive, mobility) for each row with a drive.

@@ -83,6 +83,7 @@ class Elimination {
     list_blocks(patterns);
     list_targets();
     place_gradients();
+    list_fill();
     return std::move(graph_);
   }
 
@@ -90,18 +91,14 @@ class Elimination {
   bool is_joint(std::uint32_t node) const { return node >= body_count_; }
   std::uint32_t degree(std::uint32_t node) const { return static_cast<std::uint32_t>(neighbours_[node].size()); }
 
-  /// False: the nodes were already connected.
-  bool connect_to(std::uint32_t from, std::uint32_t to) {
+  void connect_to(std::uint32_t from, std::uint32_t to) {
     std::vector<std::uint32_t>& list = neighbours_[from];
     const auto place = std::lower_bound(list.begin(), list.end(), to);
-    if (place != list.end() && *place == to) return false;
-    list.insert(place, to);
-    return true;
+    if (place == list.end() || *place != to) list.insert(place, to);
   }
-  bool connect(std::uint32_t a, std::uint32_t b) {
-    const bool is_new = connect_to(a, b);
+  void connect(std::uint32_t a, std::uint32_t b) {
+    connect_to(a, b);
     connect_to(b, a);
-    return is_new;
   }
 
   bool is_ready(std::uint32_t joint) {
@@ -150,7 +147,7 @@ class Elimination {
       list.erase(std::lower_bound(list.begin(), list.end(), node));
     }
     for (std::size_t i = 0; i < around.size(); ++i)
-      for (std::size_t k = i + 1; k < around.size(); ++k) graph_.fill_count += connect(around[i], around[k]) ? 1u : 0u;
+      for (std::size_t k = i + 1; k < around.size(); ++k) connect(around[i], around[k]);
     for (const std::uint32_t neighbour : around) candidates_.insert({degree(neighbour), neighbour});
   }
 
@@ -219,6 +216,16 @@ class Elimination {
         const std::uint32_t block = is_transposed ? block_of(body_node, joint_node) : block_of(joint_node, body_node);
         graph_.gradients[joint][i] = {block, is_transposed};
       }
+  }
+
+  /// Requires: place_gradients.
+  void list_fill() {
+    std::vector<bool> is_set(graph_.block_rows.size());
+    for (std::size_t joint = 0; joint < joints_.size(); ++joint)
+      for (std::uint32_t i = 0; i < joints_[joint].body_count; ++i) is_set[graph_.gradients[joint][i].block] = true;
+    for (std::uint32_t block = 0; block < is_set.size(); ++block)
+      if (!is_set[block]) graph_.fill_blocks.push_back(block);
+    for (const GraphNode& node : graph_.nodes) graph_.column_max = std::max(graph_.column_max, node.block_count);
   }
 
   std::uint32_t body_count_;

@@ -57,7 +57,8 @@ struct JointGraph {
   std::vector<std::uint32_t> body_nodes;  // [body]
   std::vector<std::uint32_t> joint_nodes;
   std::vector<std::array<GradientPlace, joint_body_max>> gradients;  // [joint][body of the joint]
-  std::uint32_t fill_count = 0;                                      // blocks that are zero before the elimination
+  std::vector<std::uint32_t> fill_blocks;                            // zero before the elimination
+  std::uint32_t column_max = 0;                                      // the largest number of blocks of a node
 };
 
 /// The number of joints beyond those of a forest. Joints to bodies that do not move close no loop.

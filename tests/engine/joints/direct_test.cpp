@@ -204,18 +204,18 @@ std::vector<std::uint32_t> indices_of(const JointGraph& graph, bool joints) {
 
 TEST_CASE("trees are eliminated from their leaves without fill", "[engine][joints][direct]") {
   const JointGraph chain = make_joint_graph(5, chain_of(5));
-  REQUIRE(chain.fill_count == 0);
+  REQUIRE(chain.fill_blocks.empty());
   REQUIRE(indices_of(chain, false) == std::vector<std::uint32_t>{4, 3, 2, 1, 0});
   REQUIRE(indices_of(chain, true) == std::vector<std::uint32_t>{4, 3, 2, 1, 0});
   const JointGraph hub = make_joint_graph(101, hub_with(100));
-  REQUIRE(hub.fill_count == 0);
+  REQUIRE(hub.fill_blocks.empty());
   REQUIRE(hub.nodes.size() == 201);
   REQUIRE(hub.body_nodes[0] >= 198);
   Random random(1);
   for (int i = 0; i < 50; ++i) {
     const auto count = static_cast<std::uint32_t>(2 + random.below(80));
     const JointGraph tree = make_joint_graph(count, random_tree(random, count));
-    REQUIRE(tree.fill_count == 0);
+    REQUIRE(tree.fill_blocks.empty());
     REQUIRE(redundant_count(tree) == 0);
     REQUIRE(tree.block_rows.size() == 2 * (count - 1));
     for (const GraphNode& node : tree.nodes) REQUIRE(node.block_count <= 1);
@@ -228,7 +228,7 @@ TEST_CASE("loops are counted, and each adds little", "[engine][joints][direct]")
   std::vector<GraphJoint> two_pegs = chain_of(20);
   two_pegs.push_back(joint_to_world(19));
   REQUIRE(count_loops(20, two_pegs) == 0);
-  REQUIRE(make_joint_graph(20, two_pegs).fill_count <= 2);
+  REQUIRE(make_joint_graph(20, two_pegs).fill_blocks.size() <= 2);
   std::vector<GraphJoint> ring = chain_of(30);
   ring.push_back(joint_between(0, 29));
   REQUIRE(count_loops(30, ring) == 1);
