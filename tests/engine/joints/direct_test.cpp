@@ -169,7 +169,7 @@ Errors errors_of(const LinearProblem& problem, Random& random) {
     return block < bodies ? graph.body_nodes[block] : graph.joint_nodes[block - bodies];
   };
   for (std::size_t i = 0; i < b.size(); ++i) system.values[node_of(i / 3)][i % 3] = b[i];
-  factor(graph, system);
+  for (std::size_t at = 0; at < graph.nodes.size(); ++at) factor_node(graph, system, at);
   solve(graph, system);
   const std::vector<std::vector<double>> a = dense_of(problem);
   const std::vector<double> x = dense_solution(a, b);
