@@ -190,6 +190,75 @@ TEST_CASE("each body that can be seen is drawn at its projected centre, in a mov
   }
 }
 
+// Discs in a row, 2 m apart, without gravity. Those with an index in `spinning` rotate in place.
+engine::Scene row_of_discs(int count, const std::set<int>& spinning) {
+  engine::Scene scene;
+  scene.gravity = {0, 0};
+  for (int i = 0; i < count; ++i) {
+    engine::Body body;
+    body.position = {2.0 * i, 0};
+    body.angular_velocity = spinning.count(i) == 1 ? 1 : 0;
+    body.shapes.push_back(test::disc_shape(0.5));
+    scene.bodies.push_back(body);
+  }
+  return scene;
+}
+
+play::View view_of_row() {
+  play::View view;
+  view.width = 400;
+  view.height = 100;
+  view.center = {4, 0};
+  view.scale = 40;
+  return view;
+}
+
+TEST_CASE("bodies that sleep are dim, and no others", "[play][picture]") {
+  const std::set<int> spinning{0, 3};
+  engine::Scene scene = row_of_discs(5, spinning);
+  scene.settings.sleep.emplace();
+  scene.settings.sleep->after_s = 0.1;
+  const auto engine = test::make_engine_or_fail(scene);
+  const play::View view = view_of_row();
+  play::WorldPicture picture(*engine);
+  Canvas awake(view.width, view.height), later(view.width, view.height);
+  picture.draw(awake, view, {});
+  test::run_ticks(*engine, 20);
+  picture.draw(later, view, {});
+  for (int i = 0; i < 5; ++i) {
+    const Pixel at = view.to_pixel({2.0 * i, -0.25});  // beside the line that shows the angle
+    CAPTURE(i);
+    const bool is_same = awake.at(static_cast<int>(at.x), static_cast<int>(at.y)) ==
+                         later.at(static_cast<int>(at.x), static_cast<int>(at.y));
+    CHECK(is_same == (spinning.count(i) == 1));
+  }
+}
+
+TEST_CASE("a pull is drawn from its body to the pointer", "[play][picture]") {
+  engine::Scene scene = row_of_discs(5, {});
+  scene.inputs = {engine::InputKind::press, engine::InputKind::drag, engine::InputKind::release};
+  scene.pointer.emplace();
+  const auto engine = test::make_engine_or_fail(scene);
+  engine::Input press;
+  press.kind = engine::InputKind::press;
+  press.values[0] = 4.1;
+  press.values[1] = 0.2;
+  Bytes inputs;
+  engine::encode_inputs({press}, inputs);
+  REQUIRE(engine->step({scene.settings.dt, inputs}, nullptr));
+  const play::View view = view_of_row();
+  play::WorldPicture picture(*engine);
+  Canvas canvas(view.width, view.height);
+  picture.draw(canvas, view, {});
+  const Pixel at = view.to_pixel({4.1, 0.2});
+  CHECK(canvas.at(static_cast<int>(at.x), static_cast<int>(at.y)) == play::theme::pull);
+  int count = 0;
+  for (int y = 0; y < view.height; ++y)
+    for (int x = 0; x < view.width; ++x) count += canvas.at(x, y) == play::theme::pull ? 1 : 0;
+  CHECK(count > 10);
+  CHECK(count < 150);  // a disc of 3 px, and a ring of 5 px around the pointer at the same place
+}
+
 TEST_CASE("the layers show what there is: contacts, joints, boxes, pairs", "[play][picture]") {
   const std::pair<const char*, play::Layer> rows[] = {
       {"stack?boxes=5", play::Layer::contacts}, {"stack?boxes=5", play::Layer::normals},
