@@ -3,6 +3,11 @@
 #include "tool/study/problem_file/problem_file.h"
 
 #include <cmath>
+#include <filesystem>
+#include <fstream>
+#include <nlohmann/json.hpp>
+#include <set>
+#include <sstream>
 #include <string>
 
 #include "tests/replay/toy_traces.h"
@@ -382,6 +387,83 @@ TEST_CASE("a stress file that cannot be meant is refused with its place", "[veri
     CAPTURE(found);
     CHECK(found.find(expected) != std::string::npos);
   }
+}
+
+namespace {
+
+using nlohmann::json;
+
+json schema_of(const std::string& name) {
+  return json::parse(std::ifstream(std::filesystem::path(TICKTRUE_SOURCE_DIR) / "scenes" / name));
+}
+
+std::set<std::string> keys_of(const json& object) {
+  std::set<std::string> keys;
+  for (const auto& item : object.items()) keys.insert(item.key());
+  return keys;
+}
+
+// The keys that the reader lists in its message about an unknown one.
+std::set<std::string> keys_in(const std::string& message) {
+  std::string list = message.substr(message.find("expected ") + 9);
+  list = list.substr(0, list.find('\n'));
+  for (std::size_t at = list.find(" or "); at != std::string::npos; at = list.find(" or ")) list.replace(at, 4, ", ");
+  std::set<std::string> keys;
+  std::istringstream in(list);
+  for (std::string key; std::getline(in, key, ',');) keys.insert(key.substr(key.find_first_not_of(' ')));
+  return keys;
+}
+
+// The example without a key, for each key.
+template <typename Visit>
+void for_each_lack(const std::string& example, const Visit& visit) {
+  const json whole = json::parse(example);
+  for (const std::string& key : keys_of(whole)) {
+    json part = whole;
+    part.erase(key);
+    visit(key, part.dump());
+  }
+}
+
+}  // namespace
+
+TEST_CASE("the JSON Schemas of problems and stress cases have the keys of their readers",
+          "[verifier][study][equivalence]") {
+  if (!has_expressions()) return;
+  const json problem = schema_of("problem.schema.json");
+  const json stress = schema_of("stress.schema.json");
+  CHECK(keys_in(refusal(R"({"?":0})")) == keys_of(problem["properties"]));
+  CHECK(keys_in(refusal(thrown(R"(,"bars":[{"?":0}])"))) == keys_of(problem["$defs"]["bar"]["properties"]));
+  const auto stress_refusal = [](const std::string& text) {
+    const auto cases_read = read_stress(text);
+    return cases_read ? std::string() : cases_read.error().message;
+  };
+  CHECK(keys_in(stress_refusal(R"({"?":0})")) == keys_of(stress["properties"]));
+  const std::set<std::string> overs = stress["properties"]["over"]["enum"];
+  json wrong = json::parse(verifier::example_stress);
+  wrong["over"] = "?";
+  for (const std::string& name : overs) CHECK(stress_refusal(wrong.dump()).find(name) != std::string::npos);
+  CHECK(overs.size() == 3);
+  // What a schema requires, the reader requires; what it does not, the reader does without.
+  const std::set<std::string> of_problem = problem["required"], of_stress = stress["required"];
+  for_each_lack(verifier::example_problem, [&](const std::string& key, const std::string& text) {
+    CAPTURE(key);
+    CHECK((refusal(text) != "") == (of_problem.count(key) == 1 || key == "exact"));
+  });
+  for_each_lack(verifier::example_stress, [&](const std::string& key, const std::string& text) {
+    CAPTURE(key);
+    CHECK((stress_refusal(text) != "") == (of_stress.count(key) == 1 || key == "upper"));
+  });
+  CHECK(refusal(thrown(R"(,"$schema":"problem.schema.json")")) == "");
+  const json& samples = problem["properties"]["samples"];
+  const auto refuses = [](const json& part, const std::string& key, int value) {
+    json text = part;
+    text[key] = value;
+    return refusal(text.dump()).find(key + ": ") != std::string::npos;
+  };
+  const json whole = json::parse(verifier::example_problem);
+  CHECK(refuses(whole, "samples", samples["minimum"].get<int>() - 1));
+  CHECK(refuses(whole, "samples", samples["maximum"].get<int>() + 1));
 }
 
 }  // namespace ticktrue::test

@@ -629,7 +629,7 @@ TEST_CASE("every example scene is valid, and so are its inputs", "[engine][scene
   for (const auto& entry : std::filesystem::directory_iterator(scenes_folder)) {
     const std::string name = entry.path().filename().string();
     CAPTURE(name);
-    if (entry.path().extension() == ".json" && name != "scene.schema.json") {
+    if (entry.path().extension() == ".json" && name.find(".schema.") == std::string::npos) {
       ++scene_count;
       const auto scene = parse_scene(file_text(entry.path()), name);
       if (!scene) FAIL(scene.error().message);

@@ -67,7 +67,9 @@ class ProblemReader final : public OwnFileReader {
     const auto text = [this](std::string& into) {
       return [this, &into](const JsonValue& v, const JsonPath& p) { return read(v, p, into); };
     };
+    std::string schema;  // for editors
     const std::vector<Field> fields{
+        {"$schema", text(schema)},
         {"name", text(out.name)},
         {"summary", text(out.summary)},
         {"scene", [&](const JsonValue& v, const JsonPath&) { return (out.scene = &v) != nullptr; }, true},

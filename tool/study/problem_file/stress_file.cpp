@@ -69,7 +69,9 @@ class StressReader final : public OwnFileReader {
     const auto number = [this](double& into) {
       return [this, &into](const JsonValue& v, const JsonPath& p) { return read(v, p, into); };
     };
+    std::string schema;  // for editors
     const std::vector<Field> fields{
+        {"$schema", text(schema)},
         {"name", text(out.name)},
         {"what", text(out.what)},
         {"scene", [&](const JsonValue& v, const JsonPath&) { return (out.scene = &v) != nullptr; }, true},
