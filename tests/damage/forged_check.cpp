@@ -184,8 +184,8 @@ int main(int argument_count, char** arguments) {
     ++count.files;
     count.longest = std::max(count.longest, bytes.size());
     const std::string what = std::string(recipe.name) + "_" + std::to_string(i);
-    for (const Arguments& arguments : commands(i / recipes.size() + i, file, from.path, saved))
-      checker.judge(arguments, what, bytes, count);
+    for (const Arguments& command : commands(i / recipes.size() + i, file, from.path, saved))
+      checker.judge(command, what, bytes, count);
     fs::remove_all(saved);
   }
   fs::remove_all(folder);

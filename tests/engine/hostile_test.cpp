@@ -447,11 +447,11 @@ TEST_CASE("springs as stiff as may be, and motors as fast as may be", "[engine][
 
 TEST_CASE("ticks of a second and of a nanosecond, 256 substeps", "[engine][hostile]") {
   Scene scene = pyramid_scene(4);
-  for (const double dt : {limits::dt_min_s, limits::dt_max_s})
+  for (const double length : {limits::dt_min_s, limits::dt_max_s})
     for (const int substeps : {1, 256}) {
-      scene.settings.dt = dt;
+      scene.settings.dt = length;
       scene.settings.substeps = substeps;
-      CAPTURE(dt, substeps);
+      CAPTURE(length, substeps);
       runs_finite(scene, 30, 1000);
     }
 }
