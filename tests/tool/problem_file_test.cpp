@@ -7,11 +7,11 @@
 #include <fstream>
 #include <nlohmann/json.hpp>
 #include <set>
-#include <sstream>
 #include <string>
 
 #include "tests/replay/toy_traces.h"
 #include "tests/support/catch.h"
+#include "tests/support/schema_keys.h"
 #include "tool/expression/expression.h"
 #include "tool/study/accuracy.h"
 #include "tool/study/problem_file/reference_table.h"
@@ -397,23 +397,6 @@ json schema_of(const std::string& name) {
   return json::parse(std::ifstream(std::filesystem::path(TICKTRUE_SOURCE_DIR) / "scenes" / name));
 }
 
-std::set<std::string> keys_of(const json& object) {
-  std::set<std::string> keys;
-  for (const auto& item : object.items()) keys.insert(item.key());
-  return keys;
-}
-
-// The keys that the reader lists in its message about an unknown one.
-std::set<std::string> keys_in(const std::string& message) {
-  std::string list = message.substr(message.find("expected ") + 9);
-  list = list.substr(0, list.find('\n'));
-  for (std::size_t at = list.find(" or "); at != std::string::npos; at = list.find(" or ")) list.replace(at, 4, ", ");
-  std::set<std::string> keys;
-  std::istringstream in(list);
-  for (std::string key; std::getline(in, key, ',');) keys.insert(key.substr(key.find_first_not_of(' ')));
-  return keys;
-}
-
 // The example without a key, for each key.
 template <typename Visit>
 void for_each_lack(const std::string& example, const Visit& visit) {
@@ -432,19 +415,19 @@ TEST_CASE("the JSON Schemas of problems and stress cases have the keys of their 
   if (!has_expressions()) return;
   const json problem = schema_of("problem.schema.json");
   const json stress = schema_of("stress.schema.json");
-  CHECK(keys_in(refusal(R"({"?":0})")) == keys_of(problem["properties"]));
-  CHECK(keys_in(refusal(thrown(R"(,"bars":[{"?":0}])"))) == keys_of(problem["$defs"]["bar"]["properties"]));
+  CHECK(reader_keys(refusal(R"({"?":0})")) == keys_of(problem["properties"]));
+  CHECK(reader_keys(refusal(thrown(R"(,"bars":[{"?":0}])"))) == keys_of(problem["$defs"]["bar"]["properties"]));
   const auto stress_refusal = [](const std::string& text) {
     const auto cases_read = read_stress(text);
     return cases_read ? std::string() : cases_read.error().message;
   };
-  CHECK(keys_in(stress_refusal(R"({"?":0})")) == keys_of(stress["properties"]));
+  CHECK(reader_keys(stress_refusal(R"({"?":0})")) == keys_of(stress["properties"]));
   const std::set<std::string> overs = stress["properties"]["over"]["enum"];
   json wrong = json::parse(verifier::example_stress);
   wrong["over"] = "?";
   for (const std::string& name : overs) CHECK(stress_refusal(wrong.dump()).find(name) != std::string::npos);
   CHECK(overs.size() == 3);
-  // What a schema requires, the reader requires; what it does not, the reader does without.
+  // The reader requires the keys that the schema requires, and no others.
   const std::set<std::string> of_problem = problem["required"], of_stress = stress["required"];
   for_each_lack(verifier::example_problem, [&](const std::string& key, const std::string& text) {
     CAPTURE(key);

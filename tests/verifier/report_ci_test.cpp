@@ -78,6 +78,21 @@ TEST_CASE("report_ci: the sentence names tick, stage, column, row and bits", "[v
   CHECK(!contains(sentence, "\n"));
 }
 
+TEST_CASE("report_ci: a row that one state lacks has no values in the sentence", "[verifier][report_ci][analytic]") {
+  Report report;
+  report.verdict = Verdict::diverged;
+  verifier::LaneReport row;
+  row.table = "units";
+  row.column = "hp";
+  row.row = 3;
+  row.expected = 7;
+  report.divergence.emplace();
+  report.divergence->rows = {row};
+  CHECK(verifier::report_sentence(report) == "tick 0: units.hp of row 3");
+  std::swap(report.divergence->rows[0].expected, report.divergence->rows[0].got);
+  CHECK(verifier::report_sentence(report) == "tick 0: units.hp of row 3");
+}
+
 TEST_CASE("golden: a manifest is written as it was read", "[verifier][golden][equivalence]") {
   const std::string text =
       "# what this is\nfile\tscene\tinputs\tticks\tdetail\thash\tbytes\twhy\n"

@@ -15,12 +15,15 @@
 #include "engine/scene/scene_binary.h"
 #include "tests/support/catch.h"
 #include "tests/support/scenes.h"
+#include "tests/support/schema_keys.h"
 
 using namespace ticktrue;
 using namespace ticktrue::engine;
 using Catch::Matchers::Contains;
 using Catch::Matchers::StartsWith;
 using nlohmann::json;
+using test::keys_of;
+using test::reader_keys;
 
 namespace {
 
@@ -465,30 +468,16 @@ TEST_CASE("impacts are located automatically where a pair has restitution 1", "[
 TEST_CASE("the JSON Schema and the parser know the same keys and names", "[engine][scene_json][equivalence]") {
   const json schema = json::parse(file_text(scenes_folder / "scene.schema.json"));
   const json& defs = schema["$defs"];
-  const auto keys_of = [](const json& object) {
-    std::set<std::string> keys;
-    for (const auto& item : object["properties"].items()) keys.insert(item.key());
-    return keys;
-  };
-  // The parser's keys, from the list in its message about an unknown key.
-  const auto parser_keys = [](const std::string& message) {
-    REQUIRE_THAT(message, Contains("unknown key: found \"?\", expected "));
-    std::string list = message.substr(message.find("expected ") + 9);
-    list = list.substr(0, list.find('\n'));
-    for (std::size_t at = list.find(" or "); at != std::string::npos; at = list.find(" or ")) list.replace(at, 4, ", ");
-    std::set<std::string> keys;
-    std::istringstream in(list);
-    for (std::string key; std::getline(in, key, ',');) keys.insert(key.substr(key.find_first_not_of(' ')));
-    return keys;
-  };
-  CHECK(parser_keys(json_refusal("{\"?\":0}")) == keys_of(schema));
-  CHECK(parser_keys(json_refusal("{\"settings\":{\"?\":0}}")) == keys_of(defs["settings"]));
-  CHECK(parser_keys(json_refusal("{\"pointer\":{\"?\":0}}")) == keys_of(defs["pointer"]));
-  CHECK(parser_keys(json_refusal("{\"bounds\":{\"?\":0}}")) == keys_of(defs["bounds"]));
-  CHECK(parser_keys(body_refusal("{\"?\":0}")) == keys_of(defs["body"]));
-  CHECK(parser_keys(json_refusal("{\"settings\":{\"substeps\":{\"?\":0}}}")) == keys_of(defs["auto_substeps"]));
-  CHECK(parser_keys(json_refusal("{\"settings\":{\"sleep\":{\"?\":0}}}")) == keys_of(defs["sleep"]));
-  CHECK(parser_keys(shape_refusal("{\"type\":\"circle\",\"filter\":{\"?\":0}}")) == keys_of(defs["filter"]));
+  CHECK(reader_keys(json_refusal("{\"?\":0}")) == keys_of(schema["properties"]));
+  CHECK(reader_keys(json_refusal("{\"settings\":{\"?\":0}}")) == keys_of(defs["settings"]["properties"]));
+  CHECK(reader_keys(json_refusal("{\"pointer\":{\"?\":0}}")) == keys_of(defs["pointer"]["properties"]));
+  CHECK(reader_keys(json_refusal("{\"bounds\":{\"?\":0}}")) == keys_of(defs["bounds"]["properties"]));
+  CHECK(reader_keys(body_refusal("{\"?\":0}")) == keys_of(defs["body"]["properties"]));
+  CHECK(reader_keys(json_refusal("{\"settings\":{\"substeps\":{\"?\":0}}}")) ==
+        keys_of(defs["auto_substeps"]["properties"]));
+  CHECK(reader_keys(json_refusal("{\"settings\":{\"sleep\":{\"?\":0}}}")) == keys_of(defs["sleep"]["properties"]));
+  CHECK(reader_keys(shape_refusal("{\"type\":\"circle\",\"filter\":{\"?\":0}}")) ==
+        keys_of(defs["filter"]["properties"]));
   // A valid value for each key that some kind requires.
   const std::map<std::string, std::string> samples{{"radius", "1"},
                                                    {"half_size", "[1,1]"},
@@ -536,7 +525,7 @@ TEST_CASE("the JSON Schema and the parser know the same keys and names", "[engin
       CAPTURE(key);
       kinds.insert(key);
       CHECK(defs[key]["properties"]["type"]["const"] == kind);
-      CHECK(parser_keys(refusal_of("{\"type\":\"" + kind + "\",\"?\":0}")) == keys_of(defs[key]));
+      CHECK(reader_keys(refusal_of("{\"type\":\"" + kind + "\",\"?\":0}")) == keys_of(defs[key]["properties"]));
       if (defs[key].contains("required")) check_required(defs[key], kind, "[0].", refusal_of);
     }
     CHECK(kinds == options_of(definition));
@@ -545,17 +534,18 @@ TEST_CASE("the JSON Schema and the parser know the same keys and names", "[engin
   same_kinds("force", "_force", force_kinds, force_refusal);
   same_kinds("clock", "_clock", clock_kinds,
              [](const std::string& clock) { return json_refusal("{\"settings\":{\"clock\":" + clock + "}}"); });
-  CHECK(parser_keys(joint_refusal("{\"type\":\"revolute\",\"motor\":{\"?\":0}}")) == keys_of(defs["motor"]));
-  std::set<std::string> spring = keys_of(defs["relative_spring"]);
-  spring.merge(keys_of(defs["absolute_spring"]));
-  CHECK(parser_keys(joint_refusal("{\"type\":\"revolute\",\"spring\":{\"?\":0}}")) == spring);
+  CHECK(reader_keys(joint_refusal("{\"type\":\"revolute\",\"motor\":{\"?\":0}}")) ==
+        keys_of(defs["motor"]["properties"]));
+  std::set<std::string> spring = keys_of(defs["relative_spring"]["properties"]);
+  spring.merge(keys_of(defs["absolute_spring"]["properties"]));
+  CHECK(reader_keys(joint_refusal("{\"type\":\"revolute\",\"spring\":{\"?\":0}}")) == spring);
   const std::set<std::string> shapes_in_schema = options_of("shape");
   std::set<std::string> shapes;
   for (const auto& row : shape_kinds) {
     const std::string name(row.name);
     shapes.insert(name);
     CHECK(defs[name]["properties"]["type"]["const"] == name);
-    CHECK(parser_keys(shape_refusal("{\"type\":\"" + name + "\",\"?\":0}")) == keys_of(defs[name]));
+    CHECK(reader_keys(shape_refusal("{\"type\":\"" + name + "\",\"?\":0}")) == keys_of(defs[name]["properties"]));
     check_required(defs[name], name, "shapes[0].", shape_refusal);
   }
   CHECK(shapes == shapes_in_schema);
