@@ -156,6 +156,13 @@ template <std::size_t columns>
   for (std::size_t k = 0; k < columns; ++k) system.values[at][k] = value[k];
 }
 
+Block* parent_block(const Articulation& at, BlockSystem& system) {
+  return at.parent == no_node ? nullptr : &system.diagonal[at.parent];
+}
+Triple* parent_values(const Articulation& at, BlockSystem& system) {
+  return at.parent == no_node ? nullptr : &system.values[at.parent];
+}
+
 }  // namespace
 
 void clear_system(const JointGraph& graph, BlockSystem& system) {
@@ -163,6 +170,7 @@ void clear_system(const JointGraph& graph, BlockSystem& system) {
   system.blocks.resize(graph.block_rows.size());
   system.values.resize(graph.nodes.size());
   system.column.resize(graph.column_max);
+  system.articulated.resize(graph.articulations.size());
   for (const std::uint32_t block : graph.fill_blocks) system.blocks[block] = {};
 }
 
@@ -184,14 +192,39 @@ void set_gradient(const JointGraph& graph, BlockSystem& system, std::uint32_t jo
 }
 
 void factor_node(const JointGraph& graph, BlockSystem& system, std::size_t at) {
-  with_dimension(graph.nodes[at].dimension, [&](auto columns) { factor_columns<columns.value>(graph, system, at); });
+  const GraphNode& node = graph.nodes[at];
+  if (node.is_carried) return;
+  if (node.articulation != no_articulation) {
+    const Articulation& ends = graph.articulations[node.articulation];
+    factor(system.articulated[node.articulation], system.diagonal[ends.child], parent_block(ends, system));
+    return;
+  }
+  with_dimension(node.dimension, [&](auto columns) { factor_columns<columns.value>(graph, system, at); });
 }
 
 void solve(const JointGraph& graph, BlockSystem& system) {
-  for (std::size_t at = 0; at < graph.nodes.size(); ++at)
-    with_dimension(graph.nodes[at].dimension, [&](auto columns) { solve_forward<columns.value>(graph, system, at); });
-  for (std::size_t at = graph.nodes.size(); at-- > 0;)
-    with_dimension(graph.nodes[at].dimension, [&](auto columns) { solve_backward<columns.value>(graph, system, at); });
+  for (std::size_t at = 0; at < graph.nodes.size(); ++at) {
+    const GraphNode& node = graph.nodes[at];
+    if (node.is_carried) continue;
+    if (node.articulation != no_articulation) {
+      const Articulation& ends = graph.articulations[node.articulation];
+      eliminate(system.articulated[node.articulation], system.values[at], system.values[ends.child],
+                parent_values(ends, system));
+      continue;
+    }
+    with_dimension(node.dimension, [&](auto columns) { solve_forward<columns.value>(graph, system, at); });
+  }
+  for (std::size_t at = graph.nodes.size(); at-- > 0;) {
+    const GraphNode& node = graph.nodes[at];
+    if (node.is_carried) continue;
+    if (node.articulation != no_articulation) {
+      const Articulation& ends = graph.articulations[node.articulation];
+      substitute(system.articulated[node.articulation], system.values[at], system.values[ends.child],
+                 parent_values(ends, system));
+      continue;
+    }
+    with_dimension(node.dimension, [&](auto columns) { solve_backward<columns.value>(graph, system, at); });
+  }
 }
 
 }  // namespace ticktrue::engine

@@ -9,26 +9,25 @@
 #include <array>
 #include <vector>
 
+#include "engine/joints/direct/articulated.h"
 #include "engine/joints/direct/joint_graph.h"
 
 namespace ticktrue::engine {
 
-using Block = std::array<double, 9>;   // row by row
-using Triple = std::array<double, 3>;  // of a body: x, y, angle; of a joint: its rows
-
 /// [M, G^T; G, -c] (v, -p) = (f, r): v are the changes of velocity, p the impulses of the joints, f impulses on bodies,
 /// and r the required changes of the rows' speeds.
 struct BlockSystem {
-  std::vector<Block> diagonal;  // [node]; factored: the inverse of the pivot
-  std::vector<Block> blocks;    // [block]; factored: L
-  std::vector<Triple> values;   // [node] the right-hand side; solved: the solution
-  std::vector<Block> column;    // of the node in elimination
+  std::vector<Block> diagonal;                // [node]; factored: the inverse of the pivot
+  std::vector<Block> blocks;                  // [block]; factored: L
+  std::vector<Triple> values;                 // [node] the right-hand side; solved: the solution
+  std::vector<Block> column;                  // of the node in elimination
+  std::vector<ArticulatedJoint> articulated;  // [JointGraph::articulations]; their blocks and compliances are not used
 };
 
 /// Gives the system the size of the graph, and sets the blocks to 0 that no joint sets.
 void clear_system(const JointGraph& graph, BlockSystem& system);
 void set_body(const JointGraph& graph, BlockSystem& system, std::uint32_t body, double mass, double inertia);
-/// Requires: compliances > 0.
+/// Of a joint that is no articulation. Requires: compliances > 0.
 void set_joint(const JointGraph& graph, BlockSystem& system, std::uint32_t joint, const Triple& compliances);
 /// `gradient`: rows of the joint; columns of one of its bodies. `place`: of this body among the joint's bodies.
 void set_gradient(const JointGraph& graph, BlockSystem& system, std::uint32_t joint, std::uint32_t body_place,

@@ -265,8 +265,32 @@ bool keeps_gradient(const DirectIsland& island, std::uint32_t body) {
   return !is_moving(island, body) || turns(island.bodies[body]);
 }
 
+/// Sets an articulation of the system from the joint's equations and its law of the angle.
+void set_articulation(DirectIsland& island, std::uint32_t index, std::uint32_t articulation) {
+  DirectJoint& joint = island.joints[index];
+  const JointEquations& equations = joint.equations;
+  const std::uint32_t child = island.graph->nodes[island.graph->articulations[articulation].child].index;
+  const bool has_angle = equations.row_count == 3;
+  const RowLaw law = has_angle ? law_of(island, joint, 2) : RowLaw{false, 0, 0, 0};
+  ArticulatedArms arms;
+  double a_x = -equations.gradient_a[5];
+  double a_y = equations.gradient_a[2];
+  double b_x = equations.gradient_b[5];
+  double b_y = -equations.gradient_b[2];
+  if (is_moving(island, joint.body_a) && !turns(island.bodies[joint.body_a])) a_x = a_y = 0;
+  if (is_moving(island, joint.body_b) && !turns(island.bodies[joint.body_b])) b_x = b_y = 0;
+  if (joint.body_b == child)
+    arms = {1, b_x, b_y, a_x, a_y, law.is_in_system, law.compliance};
+  else
+    arms = {-1, a_x, a_y, b_x, b_y, law.is_in_system, law.compliance};
+  island.system.articulated[articulation].arms = arms;
+  joint.compliances = {0, 0, law.compliance};
+}
+
 /// Sets a joint of the system from its equations and laws.
 void set_joint(DirectIsland& island, std::uint32_t index) {
+  const std::uint32_t articulation = island.graph->nodes[island.graph->joint_nodes[index]].articulation;
+  if (articulation != no_articulation) return set_articulation(island, index, articulation);
   DirectJoint& joint = island.joints[index];
   const JointEquations& equations = joint.equations;
   const bool is_redundant = island.graph->nodes[island.graph->joint_nodes[index]].is_redundant;
@@ -477,6 +501,8 @@ GraphJoint graph_joint(const JointShape& shape, const DirectJoint& joint, std::s
     if (a_moves && b_moves && acts_on_a != acts_on_b) row.is_last = true;
   }
   row.dimension = equations.row_count > 0 ? equations.row_count : 1;
+  const bool is_of_point = shape.kind == JointKind::revolute || shape.kind == JointKind::weld;
+  row.holds_point = is_of_point && (equations.row_count == 2 || ((!a_moves || a_turns) && (!b_moves || b_turns)));
   if (row.row_count == 0) row.row_count = 1;
   return row;
 }
@@ -491,7 +517,12 @@ void order_island(DirectIsland& island) {
   island.is_free = true;
   std::vector<GraphJoint> joints;
   for (std::size_t i = 0; i < island.joints.size(); ++i) {
-    joints.push_back(graph_joint(island.shapes[i], island.joints[i], island.moving_count, true, true));
+    const auto body_turns = [&](std::uint32_t body) {
+      return body < island.moving_count && island.bodies[body].inertia > 0;
+    };
+    const DirectJoint& joint = island.joints[i];
+    joints.push_back(
+        graph_joint(island.shapes[i], joint, island.moving_count, body_turns(joint.body_a), body_turns(joint.body_b)));
     island.is_free = island.is_free && is_internal(island.shapes[i], island.joints[i], island.moving_count);
   }
   for (const DirectDrive& drive : island.drives) island.has_drives = island.has_drives || exists(drive);

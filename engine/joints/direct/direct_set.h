@@ -20,8 +20,8 @@ namespace ticktrue::engine {
 
 template <typename Visit>
 void list_fields(BlockSystem& of, const Visit& visit) {
-  auto& [diagonal, blocks, values, column] = of;
-  visit(diagonal, blocks, values, column);
+  auto& [diagonal, blocks, values, column, articulated] = of;
+  visit(diagonal, blocks, values, column, articulated);
 }
 
 template <typename Visit>

@@ -13,7 +13,6 @@
 namespace ticktrue::engine {
 namespace {
 
-constexpr std::uint32_t no_node = 0xffffffff;
 constexpr std::int64_t common_degrees = 3;  // of bodies that move as one
 
 /// The freedom that is left to a set of bodies that eliminated joints connect.
@@ -83,6 +82,7 @@ class Elimination {
     list_blocks(patterns);
     list_targets();
     place_gradients();
+    list_articulations();
     list_fill();
     return std::move(graph_);
   }
@@ -216,6 +216,27 @@ class Elimination {
         const std::uint32_t block = is_transposed ? block_of(body_node, joint_node) : block_of(joint_node, body_node);
         graph_.gradients[joint][i] = {block, is_transposed};
       }
+  }
+
+  /// Finds the joints of a point whose one body is eliminated before them and is coupled to nothing else, while nothing
+  /// else that is eliminated before them is coupled to them.
+  void list_articulations() {
+    std::vector<std::uint32_t> coupled_before(graph_.nodes.size());
+    for (const std::uint32_t row : graph_.block_rows) ++coupled_before[row];
+    for (std::uint32_t at = 0; at < graph_.nodes.size(); ++at) {
+      GraphNode& body = graph_.nodes[at];
+      if (body.is_joint || body.block_count != 1) continue;
+      const std::uint32_t row = graph_.block_rows[body.first_block];
+      GraphNode& node = graph_.nodes[row];
+      if (!node.is_joint || coupled_before[row] != 1) continue;
+      const GraphJoint& joint = joints_[node.index];
+      if (!joint.holds_point || node.block_count + 1 != joint.body_count) continue;
+      Articulation articulation{at, no_node};
+      if (joint.body_count == 2) articulation.parent = graph_.block_rows[node.first_block];
+      body.is_carried = true;
+      node.articulation = static_cast<std::uint32_t>(graph_.articulations.size());
+      graph_.articulations.push_back(articulation);
+    }
   }
 
   /// Requires: place_gradients.

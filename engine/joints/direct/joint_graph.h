@@ -32,7 +32,10 @@ struct GraphJoint {
   bool is_to_world = false;     // one of its bodies does not move
   bool is_last = false;         // some row may act on a part of its bodies alone: the joint follows all of them
   std::uint32_t dimension = 3;  // of its blocks: further rows are not used
+  bool holds_point = false;     // rows: x and y of a point of two bodies, then perhaps their angle, which both have
 };
+
+inline constexpr std::uint32_t no_articulation = 0xffffffff;
 
 struct GraphNode {
   bool is_joint = false;
@@ -42,6 +45,16 @@ struct GraphNode {
   std::uint32_t first_block = 0;   // the blocks below the diagonal, one for each later node that is coupled
   std::uint32_t block_count = 0;   // the rows of these blocks ascend
   std::uint32_t first_target = 0;  // for i < j in these blocks, in order: the block of rows j and columns i
+  bool is_carried = false;         // a body that is eliminated with its joint, as an articulated one
+  std::uint32_t articulation = no_articulation;  // of a joint: in JointGraph::articulations
+};
+
+inline constexpr std::uint32_t no_node = 0xffffffff;
+
+/// A joint that alone connects an eliminated body to the rest (articulated.h).
+struct Articulation {
+  std::uint32_t child = 0;         // the node of that body
+  std::uint32_t parent = no_node;  // the node of the other body; no_node: it does not move
 };
 
 /// The place of the gradient of a joint with respect to one of its bodies.
@@ -57,8 +70,9 @@ struct JointGraph {
   std::vector<std::uint32_t> body_nodes;  // [body]
   std::vector<std::uint32_t> joint_nodes;
   std::vector<std::array<GradientPlace, joint_body_max>> gradients;  // [joint][body of the joint]
-  std::vector<std::uint32_t> fill_blocks;                            // zero before the elimination
-  std::uint32_t column_max = 0;                                      // the largest number of blocks of a node
+  std::vector<Articulation> articulations;
+  std::vector<std::uint32_t> fill_blocks;  // zero before the elimination
+  std::uint32_t column_max = 0;            // the largest number of blocks of a node
 };
 
 /// The number of joints beyond those of a forest. Joints to bodies that do not move close no loop.

@@ -61,7 +61,8 @@ struct LinearProblem {
   std::vector<double> inertias;
   std::vector<GraphJoint> joints;
   std::vector<std::array<Block, joint_body_max>> gradients;  // [joint][place]
-  double compliance = 1e-10;
+  double compliance = 1e-10;                                 // of rows that blocks eliminate, and of articulated angles
+  std::vector<bool> has_free_angle;                          // [joint] its third row is not in the system; empty: none
 };
 
 // Constraint rows of revolute and weld joints with random lever arms. Masses are from 1 to `ratio`.
@@ -87,10 +88,35 @@ LinearProblem problem_of(Random& random, std::uint32_t body_count, std::vector<G
   return problem;
 }
 
-Triple compliances_of(const LinearProblem& problem, std::size_t joint) {
+bool is_free_angle(const LinearProblem& problem, std::size_t joint, std::size_t row) {
+  return row == 2 && !problem.has_free_angle.empty() && problem.has_free_angle[joint];
+}
+
+Triple compliances_of(const LinearProblem& problem, const JointGraph& graph, std::size_t joint) {
+  const bool is_articulated = graph.nodes[graph.joint_nodes[joint]].articulation != no_articulation;
   Triple r{1, 1, 1};
-  for (std::uint32_t row = 0; row < problem.joints[joint].row_count; ++row) r[row] = problem.compliance;
+  for (std::uint32_t row = 0; row < problem.joints[joint].row_count; ++row)
+    if (!is_free_angle(problem, joint, row)) r[row] = is_articulated && row < 2 ? 0 : problem.compliance;
   return r;
+}
+
+// As direct_island.cpp sets articulations.
+void set_articulation(const LinearProblem& problem, const JointGraph& graph, BlockSystem& system, std::size_t joint) {
+  const std::uint32_t number = graph.nodes[graph.joint_nodes[joint]].articulation;
+  const std::uint32_t child = graph.nodes[graph.articulations[number].child].index;
+  const GraphJoint& ends = problem.joints[joint];
+  ArticulatedArms arms;
+  for (std::uint32_t i = 0; i < ends.body_count; ++i) {
+    const Block& gradient = problem.gradients[joint][i];
+    const double sign = gradient[0];
+    const bool is_child = ends.bodies[i] == child;
+    (is_child ? arms.child_x : arms.parent_x) = sign * gradient[5];
+    (is_child ? arms.child_y : arms.parent_y) = -sign * gradient[2];
+    if (is_child) arms.sign = sign;
+  }
+  arms.has_angle = ends.row_count == 3 && !is_free_angle(problem, joint, 2);
+  arms.angle_compliance = problem.compliance;
+  system.articulated[number].arms = arms;
 }
 
 void fill(const LinearProblem& problem, const JointGraph& graph, BlockSystem& system) {
@@ -98,14 +124,18 @@ void fill(const LinearProblem& problem, const JointGraph& graph, BlockSystem& sy
   for (std::uint32_t body = 0; body < problem.masses.size(); ++body)
     set_body(graph, system, body, problem.masses[body], problem.inertias[body]);
   for (std::uint32_t joint = 0; joint < problem.joints.size(); ++joint) {
-    set_joint(graph, system, joint, compliances_of(problem, joint));
+    if (graph.nodes[graph.joint_nodes[joint]].articulation != no_articulation) {
+      set_articulation(problem, graph, system, joint);
+      continue;
+    }
+    set_joint(graph, system, joint, compliances_of(problem, graph, joint));
     for (std::uint32_t i = 0; i < problem.joints[joint].body_count; ++i)
       set_gradient(graph, system, joint, i, problem.gradients[joint][i]);
   }
 }
 
 // The dense matrix [M, G^T; G, -c], bodies first.
-std::vector<std::vector<double>> dense_of(const LinearProblem& problem) {
+std::vector<std::vector<double>> dense_of(const LinearProblem& problem, const JointGraph& graph) {
   const std::size_t bodies = problem.masses.size();
   const std::size_t size = 3 * (bodies + problem.joints.size());
   std::vector<std::vector<double>> a(size, std::vector<double>(size, 0));
@@ -115,7 +145,7 @@ std::vector<std::vector<double>> dense_of(const LinearProblem& problem) {
   }
   for (std::size_t joint = 0; joint < problem.joints.size(); ++joint) {
     const std::size_t first = 3 * (bodies + joint);
-    const Triple compliances = compliances_of(problem, joint);
+    const Triple compliances = compliances_of(problem, graph, joint);
     for (std::size_t row = 0; row < 3; ++row) a[first + row][first + row] = -compliances[row];
     for (std::uint32_t i = 0; i < problem.joints[joint].body_count; ++i)
       for (std::size_t row = 0; row < 3; ++row)
@@ -164,14 +194,14 @@ Errors errors_of(const LinearProblem& problem, Random& random) {
   std::vector<double> b(3 * (bodies + problem.joints.size()), 0);
   for (std::size_t joint = 0; joint < problem.joints.size(); ++joint)
     for (std::uint32_t row = 0; row < problem.joints[joint].row_count; ++row)
-      b[3 * (bodies + joint) + row] = random.real(-1, 1);
+      if (!is_free_angle(problem, joint, row)) b[3 * (bodies + joint) + row] = random.real(-1, 1);
   const auto node_of = [&](std::size_t block) {
     return block < bodies ? graph.body_nodes[block] : graph.joint_nodes[block - bodies];
   };
   for (std::size_t i = 0; i < b.size(); ++i) system.values[node_of(i / 3)][i % 3] = b[i];
   for (std::size_t at = 0; at < graph.nodes.size(); ++at) factor_node(graph, system, at);
   solve(graph, system);
-  const std::vector<std::vector<double>> a = dense_of(problem);
+  const std::vector<std::vector<double>> a = dense_of(problem, graph);
   const std::vector<double> x = dense_solution(a, b);
   Errors errors;
   double largest = 0;
@@ -265,6 +295,75 @@ TEST_CASE("block elimination agrees with a dense solve", "[engine][joints][direc
   const Errors errors = errors_of(problem_of(random, 30, ring, 10), random);
   REQUIRE(errors.velocity < 1e-8);
   REQUIRE(errors.row < 1e-8);
+}
+
+// Makes the joints of two and three rows joints of a point, and frees the angles of some.
+void hold_points(Random& random, LinearProblem& problem) {
+  for (std::size_t joint = 0; joint < problem.joints.size(); ++joint) {
+    problem.joints[joint].holds_point = problem.joints[joint].row_count > 1;
+    const bool is_free = problem.joints[joint].row_count == 3 && random.below(2) == 0;
+    problem.has_free_angle.push_back(is_free);
+    if (!is_free) continue;
+    for (Block& gradient : problem.gradients[joint]) gradient[6] = gradient[7] = gradient[8] = 0;
+  }
+}
+
+TEST_CASE("articulated bodies agree with a dense solve", "[engine][joints][direct]") {
+  Random random(4);
+  std::size_t articulation_count = 0;
+  for (const double ratio : {1.0, 100.0, 1e6})
+    for (const double compliance : {0.0, 1e-3, 1.0, 1e3})
+      for (int i = 0; i < 20; ++i) {
+        const auto count = static_cast<std::uint32_t>(2 + random.below(40));
+        std::vector<GraphJoint> joints = random_tree(random, count);
+        for (GraphJoint& joint : joints)
+          if (compliance == 0 && joint.row_count == 1) joint.row_count = 2;  // blocks need a compliance
+        if (random.below(2) == 0) joints.push_back(joint_to_world(static_cast<std::uint32_t>(random.below(count))));
+        LinearProblem problem = problem_of(random, count, joints, ratio);
+        problem.compliance = compliance;
+        hold_points(random, problem);
+        INFO("ratio " << ratio << ", " << count << " bodies, compliance " << compliance);
+        const JointGraph graph = make_joint_graph(count, problem.joints);
+        articulation_count += graph.articulations.size();
+        const Errors errors = errors_of(problem, random);
+        REQUIRE(errors.velocity < 1e-9);
+        REQUIRE(errors.row < 1e-9);
+      }
+  REQUIRE(articulation_count > 2000);
+  // Trees that hang on a loop.
+  for (int i = 0; i < 20; ++i) {
+    std::vector<GraphJoint> joints = random_tree(random, 30);
+    for (GraphJoint& joint : joints) joint.row_count = 2;
+    joints.push_back(joint_between(3, 17));
+    joints.push_back(joint_to_world(5));
+    LinearProblem problem = problem_of(random, 30, joints, 10);
+    hold_points(random, problem);
+    const JointGraph graph = make_joint_graph(30, problem.joints);
+    INFO(i);
+    REQUIRE(!graph.articulations.empty());
+    REQUIRE(graph.articulations.size() < joints.size());
+    const Errors errors = errors_of(problem, random);
+    // Where the tree joins the two bodies of the loop already, their rows contradict each other, and the compliance of
+    // 1e-10 alone bounds the impulses: rounding of 1e-16 becomes 1e-7 at most.
+    REQUIRE(errors.velocity < 1e-7);
+    REQUIRE(errors.row < 1e-7);
+  }
+}
+
+TEST_CASE("each body of a chain or hub of points is articulated but the root", "[engine][joints][direct]") {
+  for (std::vector<GraphJoint> joints : {chain_of(20), hub_with(19)}) {
+    for (GraphJoint& joint : joints) joint.holds_point = true;
+    const JointGraph graph = make_joint_graph(20, joints);
+    REQUIRE(graph.articulations.size() + 1 >= joints.size());  // the last joint of a hub follows both its bodies
+    for (const Articulation& articulation : graph.articulations) {
+      REQUIRE(!graph.nodes[articulation.child].is_joint);
+      REQUIRE(graph.nodes[articulation.child].is_carried);
+    }
+  }
+  // Two bodies that two joints connect: neither joint alone holds one.
+  std::vector<GraphJoint> pair = {joint_between(0, 1), joint_between(0, 1), joint_to_world(0)};
+  for (GraphJoint& joint : pair) joint.holds_point = true;
+  REQUIRE(make_joint_graph(2, pair).articulations.size() <= 1);
 }
 
 TEST_CASE("a joint of four bodies fits the elimination", "[engine][joints][direct]") {
