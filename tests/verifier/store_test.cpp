@@ -15,6 +15,7 @@
 #include "verifier/report/report_transfer.h"
 #include "verifier/store/mapped_libraries.h"
 #include "verifier/store/stat_index.h"
+#include "verifier/store/verdict_entry.h"
 #include "verifier/store/verdict_store.h"
 
 namespace ticktrue::test {
@@ -163,6 +164,14 @@ TEST_CASE("store: the verdict of another key is not believed", "[verifier][store
   const FoundVerdict found = find(store, another_key);
   CHECK(found.kind == Kind::damaged);
   CHECK(contains(found.what, "it is the verdict of " + a_key));
+}
+
+TEST_CASE("store: an entry whose key is too long is refused", "[verifier][store][corruption]") {
+  verifier::VerdictEntry entry;
+  entry.key = a_key;
+  REQUIRE(verifier::decode_entry(verifier::encode_entry(entry)).has_value());
+  entry.key += '0';
+  REQUIRE_FALSE(verifier::decode_entry(verifier::encode_entry(entry)).has_value());
 }
 
 TEST_CASE("store: two verdicts of one key are a conflict that names both files and stays",

@@ -92,8 +92,7 @@ DataFile::DataFile(DataFile&& other) noexcept
     : file_(std::exchange(other.file_, nullptr)),
       path_(std::move(other.path_)),
       new_path_(std::move(other.new_path_)),
-      removable_(other.removable_),
-      size_(other.size_) {}
+      removable_(other.removable_) {}
 
 DataFile::~DataFile() {
   if (file_ == nullptr) return;
@@ -113,7 +112,6 @@ Error DataFile::failure(int error_number) const {
 
 Status DataFile::write(std::string_view text) {
   if (std::fwrite(text.data(), 1, text.size(), file_) != text.size()) return failure(errno);
-  size_ += text.size();
   return {};
 }
 

@@ -26,8 +26,6 @@ class DataFile {
   /// Passes all bytes to the operating system and moves the file to its path. To be called once, as the last call.
   Status close();
 
-  std::uint64_t size() const { return size_; }  // bytes written so far
-
  private:
   DataFile() = default;
   Error failure(int error_number) const;
@@ -37,7 +35,6 @@ class DataFile {
   std::string path_;       // as requested; also in messages
   std::string new_path_;   // the file being written; renamed to path_ at the end if it differs
   bool removable_ = true;  // false: a device or a pipe, which is never removed
-  std::uint64_t size_ = 0;
 };
 
 /// Writes a whole file and replaces an older one, or with `overwrite` false refuses to. Errors: io.

@@ -677,6 +677,7 @@ PositionOutcome meet_positions(DirectIsland& island, double h, double tolerance,
     settle(island, h, pass_to_positions);
     miss = set_position_residuals(island, h);
   }
+  if (!(miss <= island.worst_miss)) island.worst_miss = miss;
   if (!(miss <= miss_least)) {
     restore_velocities(island);
     return PositionOutcome::missed;

@@ -60,6 +60,7 @@ struct DirectIsland {
   std::vector<Triple> push;           // [moving body] velocities; empty: none
   std::vector<Triple> push_impulses;  // [joint]
   double push_share = 1;              // of the wanted correction
+  double worst_miss = 0;              // m or rad, the largest of meet_positions since this was set to 0
   bool has_drives = false;            // some drive exists
   bool is_free = false;               // each joint acts on two moving bodies, with opposite impulses: momentum stays
   std::vector<Pose> moved_poses;      // [body] after a move with the present velocities

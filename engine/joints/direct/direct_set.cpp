@@ -12,6 +12,8 @@ namespace {
 /// Each pass that meets the positions multiplies the error by the angle of a substep.
 constexpr int position_pass_max = 4;
 constexpr double position_tolerance = sizeof(Real) == 4 ? 1e-8 : 1e-12;  // m, rad; below the rounding of poses
+/// An island that misses positions by more than this gets more substeps in the next tick, m.
+constexpr double slow_miss = 1e-6;
 /// Alternations of joints and contacts, before the move and after it, if something touches a jointed body of the set.
 constexpr int turn_count_of_touched = 2;
 
@@ -125,6 +127,7 @@ bool is_touched(const SolvedSet& solved, const JointPlan& plan, const std::vecto
 
 void fill_island(const SolvedSet& solved, const DirectComponent& component, DirectSetIsland& at) {
   DirectIsland& island = at.island;
+  island.worst_miss = 0;
   island.graph = component.graph;
   island.moving_count = component.moving_count;
   island.is_free = component.is_free;
@@ -154,6 +157,17 @@ void fill_island(const SolvedSet& solved, const DirectComponent& component, Dire
   }
   at.changes.assign(component.moving_count, Triple{});
   at.forces.assign(component.moving_count, Triple{});
+}
+
+/// Doubles the substeps of an island that turns too far in a substep for its positions to be met: a chain that cracks
+/// will crack again.
+void ask_for_substeps(const Model& model, const DirectComponent& component, State& state) {
+  const auto most = static_cast<std::uint32_t>(model.scene.settings.auto_substeps->substeps_max);
+  for (std::size_t i = 0; i < component.moving_count; ++i) {
+    SubstepRow& row = state.substeps[component.bodies[i]];
+    row.count = 2 * row.count < most ? 2 * row.count : most;
+    row.idle_ticks = 0;
+  }
 }
 
 }  // namespace
@@ -237,8 +251,15 @@ void project_direct_again(const SolvedSet& solved, DirectWorkspace& work) {
 }
 
 void store_direct(const SolvedSet& solved, const DirectWorkspace& work, State& state) {
-  for (const std::uint32_t component : work.set_components)
-    store_joint_forces(solved, work.components.components()[component], work.islands[component].island, state);
+  const Settings& settings = solved.model.scene.settings;
+  const bool is_measured = settings.auto_substeps && settings.substep_loads == SubstepLoads::measured;
+  for (const std::uint32_t number : work.set_components) {
+    const DirectComponent& component = work.components.components()[number];
+    const DirectIsland& island = work.islands[number].island;
+    store_joint_forces(solved, component, island, state);
+    if (is_measured && work.turn_count == 1 && !(island.worst_miss <= slow_miss))
+      ask_for_substeps(solved.model, component, state);
+  }
 }
 
 }  // namespace ticktrue::engine::TICKTRUE_PRECISION
