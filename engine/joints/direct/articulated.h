@@ -19,7 +19,7 @@ using Triple = std::array<double, 3>;  // of a body: x, y, angle; of a joint: it
 
 /// What a joint of a point sets. An arm is from the centre of mass to the anchor, m; 0 of a body that does not rotate.
 struct ArticulatedArms {
-  double sign = 1;  // 1: the impulses of the joint act on the child; -1: they act on the parent
+  double sign = 1;  // 1: the child is body B of the joint; -1: body A
   double child_x = 0;
   double child_y = 0;
   double parent_x = 0;
