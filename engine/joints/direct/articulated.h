@@ -17,7 +17,8 @@ namespace ticktrue::engine {
 using Block = std::array<double, 9>;   // row by row
 using Triple = std::array<double, 3>;  // of a body: x, y, angle; of a joint: its rows
 
-/// What a joint of a point sets. An arm is from the centre of mass to the anchor, m; 0 of a body that does not rotate.
+/// The input of a joint of a point. An arm leads from a body's centre of mass to the anchor, m. It is 0 if the body
+/// does not rotate.
 struct ArticulatedArms {
   double sign = 1;  // 1: the child is body B of the joint; -1: body A
   double child_x = 0;

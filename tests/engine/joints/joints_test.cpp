@@ -424,9 +424,9 @@ TEST_CASE("two joined bodies alone keep their momentum and angular momentum", "[
 }
 
 TEST_CASE("a rod between bodies that turn with it keeps its length", "[engine][joints][analytic]") {
-  // Two boxes and the rod between their ends turn as one. In a substep an arm of 1 m along the rod gets shorter by
-  // h^2 W^2 / 2. If a joint counted that with the wrong sign, both arms would lengthen the rod by 2 h^2 W^2 in each
-  // substep, of which the joint takes back a share below 1.
+  // Two boxes and the rod between their ends turn as one. In a substep, an arm of 1 m along the rod loses (h W)^2 / 2
+  // of its length in that direction: two arms lose (h W)^2. The joint must know this, or the rod is off by more than
+  // that.
   const double spin = 5;
   const int substeps = 4;
   Scene scene = empty_scene(Precision::f64);
