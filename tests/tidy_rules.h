@@ -175,7 +175,7 @@ inline constexpr Room rooms[] = {
     {"engine/joints/gears", "base,engine/math,engine/scene,engine/model,engine/contacts,engine/joints"},
     {"engine/impacts",
      "base,base/parallel,engine/math,engine/model,engine/narrow_phase,engine/contacts,engine/joints,"
-     "engine/integrators"},
+     "engine/joints/direct,engine/integrators"},
     {"engine/integrators", before_islands},
     {"engine/solvers",
      "base,base/parallel,engine/math,engine/model,engine/islands,engine/contacts,engine/joints,engine/joints/batched,"

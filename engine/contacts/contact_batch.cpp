@@ -163,33 +163,33 @@ void store_batches(const SolvedSet& solved, const ContactBatches& batches, std::
 
 /// Lists the batches of a set with contacts of crowds.
 void find_crowded(const SolvedSet& solved, ContactBatches& out) {
-  out.crowded.clear();
+  out.pushing.clear();
   if (solved.tick.deep_counts.empty()) return;
   for (std::uint32_t i = solved.set.first_batch; i < solved.set.batch_end; ++i) {
-    CrowdedBatch crowded{i, 0, {}, {}};
+    PushingBatch pushing{i, 0, {}, {}};
     for (int lane = 0; lane < out.batches[i].count; ++lane)
-      if (is_crowded(solved.tick, out.batches[i].contact[lane])) crowded.lanes |= 1u << lane;
-    if (crowded.lanes != 0) out.crowded.push_back(crowded);
+      if (is_crowded(solved.tick, out.batches[i].contact[lane])) pushing.lanes |= 1u << lane;
+    if (pushing.lanes != 0) out.pushing.push_back(pushing);
   }
 }
 
-/// The impulses of lanes in a crowd become those of before the push. The others stay.
-void take_back(const SolvedSet& solved, ContactBatches& batches, CrowdedBatch& crowded) {
-  ContactBatch& batch = batches.batches[crowded.batch];
+/// The impulses of the lanes become those of before the push. The others stay.
+void take_back(const SolvedSet& solved, ContactBatches& batches, PushingBatch& pushing) {
+  ContactBatch& batch = batches.batches[pushing.batch];
   const auto for_each_lane = [&](auto use) {
     for (int point = 0; point < 2; ++point)
       for (int lane = 0; lane < contact_lane_count; ++lane) {
-        const bool in_crowd = (crowded.lanes >> lane & 1) != 0;
-        use(in_crowd, batch.points[point].normal_impulse.at[lane], crowded.normal[point].at[lane]);
-        use(in_crowd, batch.points[point].tangent_impulse.at[lane], crowded.tangent[point].at[lane]);
+        const bool is_taken_back = (pushing.lanes >> lane & 1) != 0;
+        use(is_taken_back, batch.points[point].normal_impulse.at[lane], pushing.normal[point].at[lane]);
+        use(is_taken_back, batch.points[point].tangent_impulse.at[lane], pushing.tangent[point].at[lane]);
       }
   };
-  for_each_lane([](bool in_crowd, Real& impulse, Real& after) {
-    const Real change = in_crowd ? after - impulse : Real(0);
-    after = in_crowd ? after : impulse;
+  for_each_lane([](bool is_taken_back, Real& impulse, Real& after) {
+    const Real change = is_taken_back ? after - impulse : Real(0);
+    after = is_taken_back ? after : impulse;
     impulse = change;
   });
-  solved.kernels().contacts.warm_start(work_of(solved, batches, crowded.batch, crowded.batch + 1));
+  solved.kernels().contacts.warm_start(work_of(solved, batches, pushing.batch, pushing.batch + 1));
   for_each_lane([](bool, Real& impulse, Real& after) { impulse = after; });
 }
 
@@ -239,23 +239,31 @@ void solve_contacts(const SolvedSet& solved, ContactBatches& batches) {
   for_colors(solved, batches, solved.kernels().contacts.solve);
 }
 
+void take_push_back_of(ContactBatches& batches, std::uint32_t batch, std::uint32_t lane) {
+  std::vector<PushingBatch>& pushing = batches.pushing;
+  const auto is_before = [](const PushingBatch& of, std::uint32_t number) { return of.batch < number; };
+  auto at = std::lower_bound(pushing.begin(), pushing.end(), batch, is_before);
+  if (at == pushing.end() || at->batch != batch) at = pushing.insert(at, PushingBatch{batch, 0, {}, {}});
+  at->lanes |= 1u << lane;
+}
+
 void save_before_push(ContactBatches& out) {
-  for (CrowdedBatch& crowded : out.crowded)
+  for (PushingBatch& pushing : out.pushing)
     for (int point = 0; point < 2; ++point) {
-      crowded.normal[point] = out.batches[crowded.batch].points[point].normal_impulse;
-      crowded.tangent[point] = out.batches[crowded.batch].points[point].tangent_impulse;
+      pushing.normal[point] = out.batches[pushing.batch].points[point].normal_impulse;
+      pushing.tangent[point] = out.batches[pushing.batch].points[point].tangent_impulse;
     }
 }
 
 void take_back_pushes(const SolvedSet& solved, ContactBatches& batches) {
-  std::vector<CrowdedBatch>& crowded = batches.crowded;
-  if (crowded.empty()) return;
+  std::vector<PushingBatch>& pushing = batches.pushing;
+  if (pushing.empty()) return;
   for (std::uint32_t i = solved.set.first_run; i < solved.set.run_end; ++i) {
     const BatchRun& run = batches.runs[i];
     solved.parallel().for_chunks(run.end - run.first, run.chunk_size, [&](const Chunk& chunk) {
-      const auto is_before = [](const CrowdedBatch& of, std::size_t batch) { return of.batch < batch; };
-      auto at = std::lower_bound(crowded.begin(), crowded.end(), run.first + chunk.begin, is_before);
-      for (; at != crowded.end() && at->batch < run.first + chunk.end; ++at) take_back(solved, batches, *at);
+      const auto is_before = [](const PushingBatch& of, std::size_t batch) { return of.batch < batch; };
+      auto at = std::lower_bound(pushing.begin(), pushing.end(), run.first + chunk.begin, is_before);
+      for (; at != pushing.end() && at->batch < run.first + chunk.end; ++at) take_back(solved, batches, *at);
     });
   }
 }

@@ -23,10 +23,10 @@ struct BatchRun {
   std::size_t chunk_size;  // in batches
 };
 
-/// A batch with contacts of crowds, and its impulses before they are pushed apart.
-struct CrowdedBatch {
+/// A batch with contacts whose pushes are taken back, and its impulses before they push.
+struct PushingBatch {
   std::uint32_t batch;
-  std::uint32_t lanes;                 // bit i: lane i is in a crowd
+  std::uint32_t lanes;                 // bit i: the push of lane i is taken back
   ContactLanes normal[2], tangent[2];  // [point] N s: before the push
 };
 
@@ -38,13 +38,13 @@ struct ContactBatches {
   std::vector<std::uint32_t> slots;   // [batch of the set, lane] contact or no_contact; for sets of some contacts
   std::vector<BatchRun> runs;         // in solving order
   std::vector<ContactLanes> saved;    // [batch of the set, point] normal impulses
-  std::vector<CrowdedBatch> crowded;  // of the set, ascending
+  std::vector<PushingBatch> pushing;  // of the set, ascending
 };
 
 template <typename Visit>
 void list_fields(ContactBatches& of, const Visit& visit) {
-  auto& [batches, surfaces, bounces, batch_count, slots, runs, saved, crowded] = of;
-  visit(in_place(batches), in_place(surfaces), in_place(bounces), batch_count, slots, runs, saved, crowded);
+  auto& [batches, surfaces, bounces, batch_count, slots, runs, saved, pushing] = of;
+  visit(in_place(batches), in_place(surfaces), in_place(bounces), batch_count, slots, runs, saved, pushing);
 }
 
 /// The workspace and the caches of the contact solver.
@@ -74,8 +74,11 @@ void prepare_contacts(const SolvedSet& solved, const ContactColors& colors, Cont
 void warm_start_contacts(const SolvedSet& solved, ContactBatches& batches);
 /// Requires: no pose has changed since prepare_contacts or the last relax_contacts.
 void solve_contacts(const SolvedSet& solved, ContactBatches& batches);
-/// Takes back the impulses that contacts of crowds got since save_before_push: what pushes a crowd apart moves bodies,
-/// and gives them no speed.
+/// Adds a contact to those whose pushes are taken back; the contacts of crowds are among them already. Requires:
+/// prepare_contacts.
+void take_push_back_of(ContactBatches& batches, std::uint32_t batch, std::uint32_t lane);
+/// Takes back the impulses that these contacts got since save_before_push: what pushes them apart moves bodies, and
+/// gives them no speed.
 void save_before_push(ContactBatches& batches);
 void take_back_pushes(const SolvedSet& solved, ContactBatches& batches);
 /// Removes the velocity that solve_contacts added to correct overlaps.

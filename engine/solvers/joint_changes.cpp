@@ -29,7 +29,7 @@ void prepare_joint_changes(const SolvedSet& solved, MotionWorkspace& motion) {
 }
 
 void find_joint_changes(const SolvedSet& solved, JointWorkspace& work, const std::vector<GearJoint>& gears,
-                        const DirectComponents& direct, MotionWorkspace& motion) {
+                        const DirectWorkspace& direct, MotionWorkspace& motion) {
   std::vector<Twist>& changes = motion.drift.joint_changes;
   if (changes.empty()) return;
   work.impulses.clear();
@@ -50,7 +50,7 @@ void find_joint_changes(const SolvedSet& solved, JointWorkspace& work, const std
   for (std::size_t i = 0; i < solved.rows.size(); ++i) {
     const std::uint32_t row = solved.rows[i];
     MovingBody& body = solved.bodies.records[row];
-    if (direct.component_of(row) == DirectComponents::none) changes[row] = {body.velocity, body.angular_velocity};
+    if (!direct.holds_body(row)) changes[row] = {body.velocity, body.angular_velocity};
     body.velocity = motion.drift.velocities[i].linear;
     body.angular_velocity = motion.drift.velocities[i].angular;
   }

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "engine/integrators/flow.h"
-#include "engine/joints/direct/direct_components.h"
+#include "engine/joints/direct/direct_set.h"
 #include "engine/joints/gears/gear_joints.h"
 #include "engine/joints/joint_passes.h"
 
@@ -19,6 +19,6 @@ void prepare_joint_changes(const SolvedSet& solved, MotionWorkspace& motion);
 /// The changes of velocity by the rigid rows and limits of joints and gears in this substep. Springs and motors act as
 /// forces do, so they are left out. Bodies in `direct` components keep what they have. Call before the drift.
 void find_joint_changes(const SolvedSet& solved, JointWorkspace& work, const std::vector<GearJoint>& gears,
-                        const DirectComponents& direct, MotionWorkspace& motion);
+                        const DirectWorkspace& direct, MotionWorkspace& motion);
 
 }  // namespace ticktrue::engine::TICKTRUE_PRECISION

@@ -47,7 +47,7 @@ void solve_pgs(const Model& model, State& state, TickLists& tick, SolverWork& wo
       solve_mouse_joints(mouse_joints, work.bodies);
       solve_contacts(solved, contacts);
     }
-    find_joint_changes(solved, joints, gears, work.direct.components, work.motion);
+    find_joint_changes(solved, joints, gears, work.direct, work.motion);
     scheme.drift(solved, work.motion, dt);
     finish_impacts(solved, work.impacts);
     store_contacts(solved, contacts, state);

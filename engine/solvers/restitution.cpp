@@ -12,7 +12,10 @@ void Restitution::run(const Model& model, State& state, TickLists& tick, Real) {
   bool any = false;
   for (std::uint32_t i = 0; i < tick.solver_sets.size(); ++i) {
     const SolvedSet solved = solver_set(model, state, tick, work_->bodies, i);
-    if (!bounce_contacts(solved, batches, model.restitution_threshold)) continue;
+    const Real threshold = model.restitution_threshold;
+    const bool arms_bounced =
+        bounce_jointed_contacts(solved, threshold, work_->direct, batches, work_->jointed_impacts);
+    if (!bounce_contacts(solved, batches, threshold) && !arms_bounced) continue;
     project_direct_again(solved, work_->direct);
     store_contacts(solved, batches, state);
     any = true;

@@ -6,6 +6,7 @@
 
 #include "engine/contacts/contact_batch.h"
 #include "engine/impacts/impacts.h"
+#include "engine/impacts/jointed_impacts.h"
 #include "engine/impacts/shock_propagation.h"
 #include "engine/integrators/free_bodies.h"
 #include "engine/integrators/motion_rows.h"
@@ -29,12 +30,14 @@ struct SolverWork {
   std::vector<MouseJoint> mouse_joints;
   ImpactWorkspace impacts;
   ShockWorkspace shock;
+  JointedImpacts jointed_impacts;
 };
 
 template <typename Visit>
 void list_fields(SolverWork& of, const Visit& visit) {
-  auto& [bodies, motion, free_bodies, contacts, joints, direct, gears, mouse_joints, impacts, shock] = of;
-  visit(bodies, motion, free_bodies, contacts, joints, direct, gears, mouse_joints, impacts, shock);
+  auto& [bodies, motion, free_bodies, contacts, joints, direct, gears, mouse_joints, impacts, shock, jointed_impacts] =
+      of;
+  visit(bodies, motion, free_bodies, contacts, joints, direct, gears, mouse_joints, impacts, shock, jointed_impacts);
 }
 
 }  // namespace ticktrue::engine::TICKTRUE_PRECISION

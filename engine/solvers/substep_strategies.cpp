@@ -45,7 +45,7 @@ std::uint32_t joint_iterations_of(const SolvedSet& solved) {
 SubstepStrategy plan_substeps(const SolvedSet& solved, bool some_are_free, SolverWork& work) {
   const bool only_joints = is_left_to_joints(solved, work.mouse_joints) && solved.state.gears.empty();
   solved.set.joint_iterations = joint_iterations_of(solved);
-  plan_joints(solved, only_joints, work.direct.components.direct_joints(), work.joints);
+  plan_joints(solved, only_joints, work.direct.solved_joints(), work.joints);
   color_contacts(solved, !some_are_free && solved.tick.deep_counts.empty() && allows_blocks(solved), work.contacts);
   if (only_joints && solved.state.joints.empty() && bodies_step_alone(solved.model)) return integrate_alone;
   if (work.joints.uses_wavefront) return solve_by_wavefront;

@@ -15,12 +15,15 @@
 namespace ticktrue::engine::TICKTRUE_PRECISION {
 
 void solve_in_turn(SolvedSet& solved, TickLists& tick, SolverWork& work, State& state) {
-  auto& [bodies, motion, free_bodies, contact_work, joints, direct, gears, mouse_joints, impacts, shock] = work;
+  auto& [bodies, motion, free_bodies, contact_work, joints, direct, gears, mouse_joints, impacts, shock,
+         jointed_impacts] = work;
   const Integrator& scheme = integrator(solved.model.scene.settings.integrator);
   const SolverSet& set = solved.set;
   ContactBatches& contacts = contact_work.batches;
   prepare_contacts(solved, contact_work.colors, contacts);
+  prepare_jointed_contacts(solved, direct, contacts, jointed_impacts);
   for (int substep = 0; substep < set.substeps; ++substep) {
+    stop_jointed_contacts(solved, direct, contacts, jointed_impacts);
     save_joint_velocities(solved, joints);
     begin_direct_substep(solved, direct);
     save_impact_velocities(solved, impacts);
@@ -45,7 +48,7 @@ void solve_in_turn(SolvedSet& solved, TickLists& tick, SolverWork& work, State& 
     Real settled = settled_speed(solved);  // 0 unless an impact has hit bodies at rest
     propagate_shock(solved, settled, tick, contacts, shock);
     meet_direct(solved, motion, direct);
-    find_joint_changes(solved, joints, gears, direct.components, motion);
+    find_joint_changes(solved, joints, gears, direct, motion);
     scheme.drift(solved, motion, set.h);  // x += h v
     finish_impacts(solved, impacts);
     end_direct_move(solved, direct);
@@ -60,6 +63,7 @@ void solve_in_turn(SolvedSet& solved, TickLists& tick, SolverWork& work, State& 
     propagate_shock(solved, settled, tick, contacts, shock);
     if (settled > 0) limit_impulses(set, contacts);
     project_direct(solved, direct);
+    relax_jointed_contacts(solved, direct, contacts, jointed_impacts);
     after_substep(solved, substep);
   }
   store_contacts(solved, contacts, state);
@@ -71,7 +75,7 @@ void solve_tgs_soft(const Model& model, State& state, TickLists& tick, SolverWor
   if (!tick.has_solver_sets) put_all_into_one_set(model, state, work.bodies, tick);
   find_crowds(model, state, tick);
   clear_contacts(work.contacts.batches);
-  find_direct_joints(model, state, work.direct);
+  find_direct_joints(model, state, tick, work.direct);
   const bool some_are_free = find_constrained(model, state, tick, work.free_bodies);
   for (std::uint32_t i = 0; i < tick.solver_sets.size(); ++i) {
     const Real h = dt / static_cast<Real>(tick.solver_sets[i].substeps);  // s

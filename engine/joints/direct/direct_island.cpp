@@ -598,4 +598,28 @@ void project_velocities(DirectIsland& island) {
   bound_changes(island);
 }
 
+void factor_rigid_rows(DirectIsland& island) {
+  if (!island.has_drives) return;
+  for (DirectDrive& drive : island.drives) drive.law = {};
+  factor_laws(island);
+}
+
+void clear_body_impulses(DirectIsland& island) {
+  for (Triple& value : island.system.values) value = {};
+}
+
+void add_body_impulse(DirectIsland& island, std::uint32_t body, const Triple& impulse) {
+  Triple& value = island.system.values[island.graph->body_nodes[body]];
+  for (std::size_t k = 0; k < 2; ++k) value[k] += impulse[k];
+  if (island.bodies[body].inv_inertia > 0) value[2] += impulse[2];
+}
+
+void solve_body_impulses(DirectIsland& island) {
+  solve(*island.graph, island.system);
+}
+
+const Triple& velocity_change(const DirectIsland& island, std::uint32_t body) {
+  return island.system.values[island.graph->body_nodes[body]];
+}
+
 }  // namespace ticktrue::engine

@@ -111,4 +111,14 @@ void end_push(DirectIsland& island);
 /// Requires: the system is factored at the poses after the move.
 void project_velocities(DirectIsland& island);
 
+/// Factors the rigid rows alone, for the three functions below. factor_island or begin_substep ends that.
+void factor_rigid_rows(DirectIsland& island);
+void clear_body_impulses(DirectIsland& island);
+/// Adds an impulse on a moving body.
+void add_body_impulse(DirectIsland& island, std::uint32_t body, const Triple& impulse);
+/// Computes how the impulses change velocities while the rigid rows hold.
+void solve_body_impulses(DirectIsland& island);
+/// The change that solve_body_impulses has computed.
+const Triple& velocity_change(const DirectIsland& island, std::uint32_t body);
+
 }  // namespace ticktrue::engine

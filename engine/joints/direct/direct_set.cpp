@@ -125,9 +125,7 @@ bool is_touched(const SolvedSet& solved, const JointPlan& plan, const std::vecto
   return false;
 }
 
-void fill_island(const SolvedSet& solved, const DirectComponent& component, DirectSetIsland& at) {
-  DirectIsland& island = at.island;
-  island.worst_miss = 0;
+void fill_bodies(const SolvedSet& solved, const DirectComponent& component, DirectIsland& island) {
   island.graph = component.graph;
   island.moving_count = component.moving_count;
   island.is_free = component.is_free;
@@ -142,6 +140,12 @@ void fill_island(const SolvedSet& solved, const DirectComponent& component, Dire
   }
   load_poses(solved, component, island);
   fill_joints(solved, component, island);
+}
+
+void fill_island(const SolvedSet& solved, const DirectComponent& component, DirectSetIsland& at) {
+  DirectIsland& island = at.island;
+  island.worst_miss = 0;
+  fill_bodies(solved, component, island);
   factor_island(island);
   fill_springs(solved, component, island);
   if (!has_impulses(island)) {
@@ -172,10 +176,12 @@ void ask_for_substeps(const Model& model, const DirectComponent& component, Stat
 
 }  // namespace
 
-void find_direct_joints(const Model& model, const State& state, DirectWorkspace& work) {
+void find_direct_joints(const Model& model, const State& state, const TickLists& tick, DirectWorkspace& work) {
   work.set_components.clear();
   work.turn_count = 1;
-  if (model.scene.settings.joints == JointSolverKind::iterative || state.joints.empty()) return work.components.clear();
+  work.solves_joints = model.scene.settings.joints == JointSolverKind::direct && !state.joints.empty();
+  if (state.joints.empty()) return work.components.clear();
+  if (!work.solves_joints && tick.contact_pairs.empty()) return;
   work.components.follow(model, state, work.places);
   if (work.islands.size() < work.components.components().size())
     work.islands.resize(work.components.components().size());
@@ -184,6 +190,7 @@ void find_direct_joints(const Model& model, const State& state, DirectWorkspace&
 void prepare_direct(const SolvedSet& solved, const JointPlan& plan, const std::vector<MouseJoint>& mouse_joints,
                     DirectWorkspace& work) {
   work.turn_count = 1;
+  if (!work.solves_joints) return;
   list_set_components(solved, work);
   if (work.set_components.empty()) return;
   if (is_touched(solved, plan, mouse_joints, work.components)) work.turn_count = turn_count_of_touched;
@@ -246,8 +253,18 @@ void project_direct(const SolvedSet& solved, DirectWorkspace& work) {
 }
 
 void project_direct_again(const SolvedSet& solved, DirectWorkspace& work) {
+  if (!work.solves_joints) return;
   list_set_components(solved, work);
   project_direct(solved, work);
+}
+
+void load_for_impacts(const SolvedSet& solved, const DirectComponent& component, DirectSetIsland& at) {
+  fill_bodies(solved, component, at.island);
+  factor_island(at.island);
+  factor_rigid_rows(at.island);
+  load_velocities(solved, component, at);
+  project_velocities(at.island);
+  store_velocities_of(solved, component, at);
 }
 
 void store_direct(const SolvedSet& solved, const DirectWorkspace& work, State& state) {

@@ -56,16 +56,27 @@ struct DirectWorkspace {
   std::vector<DirectSetIsland> islands;       // [component]
   std::vector<std::uint32_t> set_components;  // of the present set
   int turn_count = 1;                         // alternations of joints and contacts in the set
+  bool solves_joints = false;                 // false: the islands serve impacts alone
+
+  /// Whether the joints of this body are solved directly.
+  bool holds_body(std::size_t row) const {
+    return solves_joints && components.component_of(row) != DirectComponents::none;
+  }
+  /// [row of a joint] 1: it is solved directly; empty: none is.
+  std::span<const std::uint8_t> solved_joints() const {
+    return solves_joints ? components.direct_joints() : std::span<const std::uint8_t>{};
+  }
 };
 
 template <typename Visit>
 void list_fields(DirectWorkspace& of, const Visit& visit) {
-  auto& [components, places, islands, set_components, turn_count] = of;
-  visit(components, places, in_place(islands), set_components, turn_count);
+  auto& [components, places, islands, set_components, turn_count, solves_joints] = of;
+  visit(components, places, in_place(islands), set_components, turn_count, solves_joints);
 }
 
-/// Finds out which joints are solved directly in this tick.
-void find_direct_joints(const Model& model, const State& state, DirectWorkspace& work);
+/// Finds the islands of jointed bodies, and whether their joints are solved directly in this tick. Otherwise the
+/// islands are found if there are contacts, for their impacts.
+void find_direct_joints(const Model& model, const State& state, const TickLists& tick, DirectWorkspace& work);
 
 /// Fills the islands of a set. `plan`: of the joints that are solved by iteration. Requires: prepare_joints,
 /// prepare_mouse_joints.
@@ -85,6 +96,9 @@ void end_direct_move(const SolvedSet& solved, DirectWorkspace& work);
 void project_direct(const SolvedSet& solved, DirectWorkspace& work);
 /// The same as project_direct for a set, after the solver has ended.
 void project_direct_again(const SolvedSet& solved, DirectWorkspace& work);
+/// Loads the present poses of an island that is not solved in this tick, and factors its rigid rows. The bodies get
+/// velocities that keep these rows.
+void load_for_impacts(const SolvedSet& solved, const DirectComponent& component, DirectSetIsland& at);
 /// Stores the impulses in state.joints, as forces.
 void store_direct(const SolvedSet& solved, const DirectWorkspace& work, State& state);
 

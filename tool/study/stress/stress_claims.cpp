@@ -29,6 +29,8 @@ constexpr NamedCure named_cures[]{
     {"bridge_straight", "tgs_soft auto", "docs/physics.md"},
     {"floating", "tgs_soft auto", "docs/scenes.md"},
     {"pinned", "tgs_soft auto", "docs/scenes.md"},
+    {"arm_", "tgs_soft auto", "docs/physics.md"},
+    {"arm_stops", "tgs_soft direct", "docs/physics.md"},
     {"direct_gain", "velocity_verlet", "docs/physics.md"},
     {"direct_gain", "position_verlet", "docs/physics.md"},
     {"direct_gain", "rk4", "docs/physics.md"},

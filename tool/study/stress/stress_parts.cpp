@@ -18,6 +18,7 @@ std::vector<StressCase> stress_cases() {
   add_small_and_far_cases(cases);
   add_load_cases(cases);
   add_joint_cases(cases);
+  add_arm_cases(cases);
   add_floating_cases(cases);
   add_scheme_cases(cases);
   add_motion_cases(cases);

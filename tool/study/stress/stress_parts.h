@@ -19,6 +19,7 @@ void add_floating_cases(std::vector<StressCase>& cases);
 void add_scheme_cases(std::vector<StressCase>& cases);
 void add_motion_cases(std::vector<StressCase>& cases);
 void add_joint_cases(std::vector<StressCase>& cases);
+void add_arm_cases(std::vector<StressCase>& cases);
 
 /// Adds the claims of documents about the cases: StressCase::cures and shortfalls.
 void add_claims(std::vector<StressCase>& cases);

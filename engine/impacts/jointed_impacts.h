@@ -1,0 +1,85 @@
+// Impacts on jointed bodies: what hits an arm meets the inertia of the whole arm.
+// SPDX-License-Identifier: MIT
+// Source: Moreau, "Unilateral Contact and Dry Friction in Finite Freedom Dynamics", 1988 (inelastic impact as a
+// projection in the metric of the kinetic energy). The rows are solved by projected Gauss-Seidel.
+//
+// A contact of the solver knows the inertia of its two bodies. Where a direct joint holds one of them, its impulse
+// grows over several substeps, each of which starts with the impulse of the one before. That is right for a lasting
+// force. After an impact it throws an arm back. Closing contacts of jointed bodies are therefore stopped at the start
+// of each substep, by impulses that are not kept. Each impulse acts on a whole island.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <vector>
+
+#include "engine/contacts/contact_batch.h"
+#include "engine/joints/direct/direct_set.h"
+#include "engine/model/solved_set.h"
+
+namespace ticktrue::engine::TICKTRUE_PRECISION {
+
+/// Neighbouring velocities of JointedImpacts: those of a free body, or of the moving bodies of an island.
+struct ImpactBodies {
+  std::uint32_t first = 0;
+  std::uint32_t count = 0;  // 0: the body does not move
+  std::uint32_t component = DirectComponents::none;
+};
+
+/// A row of a contact point: its normal or its tangent.
+struct ImpactRow {
+  std::array<Triple, 2> along{};  // [body] the gradient of the row's speed
+  double impulse = 0;             // N s
+  double mobility = -1;           // 1/kg; below 0: not computed yet
+  std::uint32_t response = 0;     // in JointedImpacts::responses, of both parts one after the other
+};
+
+/// A point of a contact of which a direct joint holds a body.
+struct ImpactPoint {
+  std::uint32_t batch = 0;
+  std::uint32_t lane = 0;
+  std::uint32_t point = 0;
+  std::array<std::uint32_t, 2> records{};  // of the bodies, to read
+  std::array<std::uint32_t, 2> places{};   // in JointedImpacts::velocities, if the body moves
+  std::array<ImpactBodies, 2> parts{};     // the second is empty if both bodies are in one island
+  ImpactRow normal;
+  ImpactRow tangent;
+  double least_speed = 0;    // of the normal after the impact, m/s
+  double tangent_speed = 0;  // of a conveyor, m/s
+  double friction = 0;
+};
+
+struct JointedImpacts {
+  std::vector<ImpactPoint> points;
+  std::vector<std::uint32_t> components;  // islands that are touched
+  std::vector<std::uint32_t> rows;        // [place] the body
+  std::vector<std::uint32_t> places;      // [body]
+  std::vector<Triple> velocities;         // [place]
+  std::vector<Triple> responses;          // changes of velocities per impulse
+  std::vector<Triple> stopped;            // [place] velocities before a bounce
+  std::vector<double> start_energies;     // [body] kinetic energy of listed bodies when the tick began, J
+};
+
+template <typename Visit>
+void list_fields(JointedImpacts& of, const Visit& visit) {
+  auto& [points, components, rows, places, velocities, responses, stopped, start_energies] = of;
+  visit(points, components, rows, places, velocities, responses, stopped, start_energies);
+}
+
+/// Lists the contact points of jointed bodies of a set; their pushes are taken back. Requires: find_direct_joints,
+/// prepare_contacts.
+void prepare_jointed_contacts(const SolvedSet& solved, const DirectWorkspace& direct, ContactBatches& contacts,
+                              JointedImpacts& out);
+/// Stops contacts of jointed bodies that close fast. Requires: separations are those of the present poses.
+void stop_jointed_contacts(const SolvedSet& solved, DirectWorkspace& direct, ContactBatches& contacts,
+                           JointedImpacts& work);
+/// Applies restitution at points of jointed bodies that hit faster than `threshold`; bounce_contacts then leaves them
+/// out. What bounces has at most the kinetic energy of the tick's start. True if there was such a point. Lists the
+/// points anew.
+bool bounce_jointed_contacts(const SolvedSet& solved, Real threshold, DirectWorkspace& direct, ContactBatches& contacts,
+                             JointedImpacts& work);
+/// Removes the velocity that pushes have left, as relax_contacts does, by impulses on whole islands. Call after it.
+void relax_jointed_contacts(const SolvedSet& solved, DirectWorkspace& direct, ContactBatches& contacts,
+                            JointedImpacts& work);
+
+}  // namespace ticktrue::engine::TICKTRUE_PRECISION

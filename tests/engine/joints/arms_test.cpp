@@ -1,0 +1,137 @@
+// Arms of jointed bodies hit something: they stop or bounce as one body, and get no energy from it.
+// SPDX-License-Identifier: MIT
+#include <algorithm>
+#include <cmath>
+
+#include "base/random.h"
+#include "tests/support/engine_runs.h"
+#include "tests/support/joints.h"
+
+using namespace ticktrue;
+using namespace ticktrue::test;
+using engine::BodyReport;
+using engine::Engine;
+
+namespace {
+
+enum class JointChoice { iterative, direct, automatic };
+
+void choose_joints(Scene& scene, JointChoice joints) {
+  if (joints == JointChoice::automatic) engine::choose_substeps(scene.settings);
+  if (joints == JointChoice::direct) scene.settings.joints = engine::JointSolverKind::direct;
+}
+
+void set_surfaces(Scene& scene, double friction, double restitution) {
+  for (Body& body : scene.bodies)
+    for (engine::Shape& shape : body.shapes) {
+      shape.material.friction = friction;
+      shape.material.restitution = restitution;
+    }
+}
+
+Body arm_box(double half_length, Point position, double mass) {
+  Body body = body_of(box_shape(half_length, 0.2 * half_length), position);
+  body.mass = engine::ExplicitMass{mass, {}, {}};
+  return body;
+}
+
+// `count` welded boxes of 1 m and 1 kg in a row about the origin, without gravity. They move up with `speed` towards a
+// fixed disc of .1 m, whose centre is `x` beside the middle of the row.
+Scene welded_rod(Precision precision, int count, double speed, double x, double restitution) {
+  Scene scene = empty_scene(precision);
+  scene.gravity = {0, 0};
+  for (int i = 0; i < count; ++i) {
+    scene.bodies.push_back(arm_box(0.5, {i - 0.5 * (count - 1), 0}, 1));
+    scene.bodies.back().velocity = {0, speed};
+    if (i == 0) continue;
+    Joint weld = joint_of(JointKind::weld, static_cast<std::uint32_t>(i - 1), static_cast<std::uint32_t>(i));
+    weld.anchor_a = {0.5, 0};
+    weld.anchor_b = {-0.5, 0};
+    scene.joints.push_back(weld);
+  }
+  scene.bodies.push_back(body_of(disc_shape(0.1), {x, 0.3}, BodyType::static_body));
+  set_surfaces(scene, 0, restitution);
+  return scene;
+}
+
+double arm_energy(const Engine& engine) {
+  double sum = 0;
+  for (const BodyReport& body : engine.bodies()) {
+    const Point v = body.velocity;
+    sum += body.mass * (v.x * v.x + v.y * v.y) / 2 + body.inertia * body.angular_velocity * body.angular_velocity / 2;
+  }
+  return sum;
+}
+
+}  // namespace
+
+TEST_CASE("a rod of welded boxes hits as one body", "[engine][joints][arms]") {
+  const Precision precision = GENERATE(Precision::f32, Precision::f64);
+  const JointChoice joints = GENERATE(JointChoice::direct, JointChoice::automatic);
+  const int count = GENERATE(2, 3, 6);
+  const double share = GENERATE(0.2, 0.9);  // of the half length: where it hits
+  const double restitution = GENERATE(0.0, 0.7);
+  CAPTURE(precision, static_cast<int>(joints), count, share, restitution);
+  const double speed = 2;
+  const double x = share * count / 2;
+  Scene scene = welded_rod(precision, count, speed, x, restitution);
+  choose_joints(scene, joints);
+  const auto engine = make_engine_or_fail(scene);
+  run_ticks(*engine, 12);
+  // J (1 / m + x^2 / I) = (1 + e) v
+  const double mass = count;
+  const double inertia = mass * (count * count + 0.04) / 12;
+  const double impulse = (1 + restitution) * speed / (1 / mass + x * x / inertia);
+  const double spin = -impulse * x / inertia;
+  double momentum = 0;
+  for (const BodyReport& body : engine->bodies()) momentum += body.mass * body.velocity.y;
+  CHECK_THAT(momentum, Catch::Matchers::WithinAbs(mass * speed - impulse, 0.02 * mass * speed));
+  for (int i = 0; i < count; ++i)
+    CHECK_THAT(engine->bodies()[i].angular_velocity, Catch::Matchers::WithinAbs(spin, 0.02 * std::fabs(spin) + 0.02));
+}
+
+TEST_CASE("arms get no energy from what they hit", "[engine][joints][arms]") {
+  const JointChoice joints = GENERATE(JointChoice::direct, JointChoice::automatic, JointChoice::iterative);
+  const Precision precision = GENERATE(Precision::f32, Precision::f64);
+  for (std::uint64_t seed = 1; seed <= 40; ++seed) {
+    Random random(seed);
+    CAPTURE(static_cast<int>(joints), precision, seed);
+    Scene scene = empty_scene(precision);
+    scene.gravity = {0, 0};
+    const auto count = static_cast<int>(2 + random.below(7));
+    const bool is_free = random.below(2) == 0;
+    const double turn = random.real(0.5, 4);
+    const double half = std::exp(random.real(-1, 0.5)) / 2;
+    Body hub = peg({0, 0});
+    hub.shapes[0].filter.mask = 0;
+    scene.bodies.push_back(hub);
+    for (int i = 0; i < count; ++i) {
+      const double x = (2 * i + 1) * half;
+      scene.bodies.push_back(arm_box(half, {x, 0}, std::exp(random.real(-1.5, 1.5))));
+      scene.bodies.back().velocity = {0, turn * x};
+      scene.bodies.back().angular_velocity = turn;
+      if (i == 0 && is_free) continue;
+      const bool is_hinge = i == 0 || random.below(3) == 0;
+      Joint joint = joint_of(is_hinge ? JointKind::revolute : JointKind::weld, static_cast<std::uint32_t>(i),
+                             static_cast<std::uint32_t>(i + 1));
+      joint.anchor_a = i == 0 ? Point{0, 0} : Point{half, 0};
+      joint.anchor_b = {-half, 0};
+      scene.joints.push_back(joint);
+    }
+    const double far = random.real(0.3, count) * 2 * half;
+    scene.bodies.push_back(
+        body_of(disc_shape(0.2 * half), {far, random.real(0.8, 1.6) * half + 0.2 * far}, BodyType::static_body));
+    set_surfaces(scene, random.real(0, 0.6), random.below(2) == 0 ? 0 : 0.5);
+    choose_joints(scene, joints);
+    const auto engine = make_engine_or_fail(scene);
+    const double start = arm_energy(*engine);
+    double least = start;
+    double rise = 0;
+    for (int tick = 0; tick < 60; ++tick) {
+      run_ticks(*engine, 1);
+      least = std::min(least, arm_energy(*engine));
+      rise = std::max(rise, arm_energy(*engine) - least);
+    }
+    CHECK(rise < (joints == JointChoice::automatic ? 0.01 : 0.05) * start);
+  }
+}
