@@ -1,4 +1,4 @@
-// Notes on a scene: bounces that lose energy, and places that f32 rounds too coarsely.
+// Notes on a scene: bounces that lose energy, places that f32 rounds too coarsely, and joints that turn their bodies.
 // SPDX-License-Identifier: MIT
 #include "tool/output/scene_notes.h"
 
@@ -7,7 +7,9 @@
 #include <algorithm>
 #include <cmath>
 
+#include "engine/math/trig.h"
 #include "engine/scene/hull.h"
+#include "engine/scene/joint_kinds.h"
 #include "engine/scene/scene_rules.h"
 
 namespace ticktrue::verifier {
@@ -68,6 +70,35 @@ void add_f32_note(const Scene& scene, std::vector<std::string>& notes) {
                   extent, rounding, smallest));
 }
 
+constexpr double turned_least = 0.1;  // rad
+
+// How far the bodies of a joint with a rigid angle start from that angle, rad, -pi..pi; 0 of other joints.
+double turned(const Scene& scene, const engine::Joint& joint) {
+  const bool holds_angle =
+      joint.kind == engine::JointKind::prismatic || (joint.kind == engine::JointKind::weld && !joint.spring);
+  if (!holds_angle) return 0;
+  const double angle = scene.bodies[joint.body_b].angle - scene.bodies[joint.body_a].angle;
+  return std::remainder(angle - joint.reference_angle, 2 * engine::pi);
+}
+
+void add_turned_note(const Scene& scene, std::vector<std::string>& notes) {
+  std::size_t count = 0;
+  std::size_t first = 0;
+  for (std::size_t i = scene.joints.size(); i-- > 0;) {
+    if (!(std::fabs(turned(scene, scene.joints[i])) > turned_least)) continue;
+    ++count;
+    first = i;
+  }
+  if (count == 0) return;
+  const engine::Joint& joint = scene.joints[first];
+  const std::string others = count == 1 ? "" : fmt::format(", as {} more", count - 1);
+  notes.push_back(fmt::format(
+      "joints[{}] ({}) turns its bodies by {:.3g} rad in the first ticks{}; with \"reference_angle\": {:.6g} they stay "
+      "as they are placed",
+      first, engine::info_of(engine::joint_kinds, joint.kind).name, std::fabs(turned(scene, joint)), others,
+      joint.reference_angle + turned(scene, joint)));
+}
+
 }  // namespace
 
 std::string budget_text(const std::optional<engine::BudgetReport>& report, std::uint64_t tick_count) {
@@ -95,6 +126,7 @@ std::vector<std::string> scene_notes(const Scene& scene) {
                     (has_cure ? "; \"locate_impacts\": \"auto\" keeps it" : ""));
   }
   add_f32_note(scene, notes);
+  add_turned_note(scene, notes);
   return notes;
 }
 

@@ -19,8 +19,9 @@ inline constexpr double f32_extent_max = 0x1p17;
 /// From here on a place is rounded to an eighth of that size or more, and the scene is refused.
 inline constexpr double f32_extent_refused = 0x1p20;
 
-/// One line each; none for most scenes: bounces of restitution 1 that lose energy since they are not located, and
-/// positions too far from the origin for f32. Requires: a valid scene.
+/// One line each; none for most scenes: bounces of restitution 1 that lose energy since they are not located, positions
+/// too far from the origin for f32, and joints of a rigid angle whose bodies start more than .1 rad from it. Requires:
+/// a valid scene.
 std::vector<std::string> scene_notes(const engine::Scene& scene);
 
 /// A line on the ticks of a run that the substep budget has changed; empty if it has changed none, or there is none.

@@ -14,11 +14,13 @@ using engine::Engine;
 
 namespace {
 
-enum class JointChoice { iterative, direct, automatic };
+enum class JointChoice { iterative, direct, direct_64, automatic };
 
 void choose_joints(Scene& scene, JointChoice joints) {
   if (joints == JointChoice::automatic) engine::choose_substeps(scene.settings);
-  if (joints == JointChoice::direct) scene.settings.joints = engine::JointSolverKind::direct;
+  if (joints == JointChoice::direct || joints == JointChoice::direct_64)
+    scene.settings.joints = engine::JointSolverKind::direct;
+  if (joints == JointChoice::direct_64) scene.settings.substeps = 64;
 }
 
 void set_surfaces(Scene& scene, double friction, double restitution) {
@@ -90,8 +92,65 @@ TEST_CASE("a rod of welded boxes hits as one body", "[engine][joints][arms]") {
     CHECK_THAT(engine->bodies()[i].angular_velocity, Catch::Matchers::WithinAbs(spin, 0.02 * std::fabs(spin) + 0.02));
 }
 
+TEST_CASE("friction of an impact acts on the whole rod", "[engine][joints][arms]") {
+  const Precision precision = GENERATE(Precision::f32, Precision::f64);
+  const double along = GENERATE(-1.0, 1.0);  // m/s: the rod slides along the disc
+  CAPTURE(precision, along);
+  constexpr int count = 3;
+  constexpr double speed = 2, up = 0.1, friction = 0.2;
+  Scene scene = welded_rod(precision, count, speed, 0.9, 0);
+  set_surfaces(scene, friction, 0);
+  for (int i = 0; i < count; ++i) scene.bodies[i].velocity.x = along;
+  choose_joints(scene, JointChoice::automatic);
+  SECTION("of a fixed disc") {
+    const auto engine = make_engine_or_fail(scene);
+    run_ticks(*engine, 4);
+    // The contact slides throughout: J (1 / m + x (x - up mu sign) / I) = v
+    const double x = 0.9 - along * (0.1 / speed);  // on the rod, which has slid until it hits
+    const double mass = count;
+    const double inertia = mass * (count * count + 0.04) / 12;
+    const double impulse = speed / (1 / mass + x * (x - up * friction * along) / inertia);
+    for (const BodyReport& body : engine->bodies())
+      if (body.mass > 0)
+        CHECK_THAT(body.angular_velocity,
+                   Catch::Matchers::WithinAbs((up * friction * along - x) * impulse / inertia, 0.03));
+    double momentum = 0;
+    for (const BodyReport& body : engine->bodies()) momentum += body.mass * body.velocity.x;
+    CHECK_THAT(momentum, Catch::Matchers::WithinAbs(mass * along - friction * along * impulse, 0.03 * mass));
+  }
+  SECTION("of a conveyor that keeps up with the rod") {
+    scene.bodies.back().shapes[0].material.tangent_speed = along;  // counter-clockwise: to the right below the disc
+    const auto engine = make_engine_or_fail(scene);
+    run_ticks(*engine, 4);
+    double momentum = 0;
+    for (const BodyReport& body : engine->bodies()) momentum += body.mass * body.velocity.x;
+    CHECK_THAT(momentum, Catch::Matchers::WithinAbs(count * along, 0.05 * count));
+  }
+}
+
+TEST_CASE("a kinematic body throws a rod as one body", "[engine][joints][arms]") {
+  const Precision precision = GENERATE(Precision::f32, Precision::f64);
+  const double restitution = GENERATE(0.0, 0.5);
+  CAPTURE(precision, restitution);
+  constexpr int count = 3;
+  constexpr double speed = 3, x = 0.6;
+  Scene scene = welded_rod(precision, count, 0, x, restitution);
+  scene.bodies.back().type = BodyType::kinematic_body;
+  scene.bodies.back().position.y = 0.25;
+  scene.bodies.back().velocity = {0, -speed};
+  choose_joints(scene, JointChoice::automatic);
+  const auto engine = make_engine_or_fail(scene);
+  run_ticks(*engine, 2);
+  const double inertia = count * (count * count + 0.04) / 12;
+  const double impulse = (1 + restitution) * speed / (1.0 / count + x * x / inertia);
+  double momentum = 0;
+  for (const BodyReport& body : engine->bodies()) momentum += body.mass * body.velocity.y;
+  CHECK_THAT(momentum, Catch::Matchers::WithinAbs(-impulse, 0.03 * impulse));
+}
+
 TEST_CASE("arms get no energy from what they hit", "[engine][joints][arms]") {
-  const JointChoice joints = GENERATE(JointChoice::direct, JointChoice::automatic, JointChoice::iterative);
+  const JointChoice joints =
+      GENERATE(JointChoice::direct, JointChoice::direct_64, JointChoice::automatic, JointChoice::iterative);
   const Precision precision = GENERATE(Precision::f32, Precision::f64);
   for (std::uint64_t seed = 1; seed <= 40; ++seed) {
     Random random(seed);

@@ -6,6 +6,7 @@
 
 #include "engine/builtin_scenes/builtin_scenes.h"
 #include "engine/engine.h"
+#include "engine/math/trig.h"
 #include "tests/support/catch.h"
 #include "tests/support/scenes.h"
 #include "tests/support/text.h"
@@ -71,6 +72,35 @@ TEST_CASE("two of one prototype may meet", "[verifier][session][notes]") {
   scene.prototypes[0].shapes[0].material.restitution = 1;
   scene.inputs = {engine::InputKind::spawn};
   CHECK(tells(scene, "restitution 1"));
+}
+
+TEST_CASE("joints that turn their bodies are told, with the angle that does not", "[verifier][session][notes]") {
+  Scene scene = empty_scene(Precision::f32);
+  for (const double x : {0.0, 1.0, 2.0}) scene.bodies.push_back(body_of(box_shape(0.5, 0.1), {x, 0}));
+  scene.bodies[1].angle = 1.25;
+  scene.bodies[2].angle = -3.1;
+  engine::Joint weld;
+  weld.kind = engine::JointKind::weld;
+  weld.body_a = 0;
+  weld.body_b = 1;
+  scene.joints = {weld};
+  CHECK(tells(scene, "joints[0] (weld) turns its bodies by 1.25 rad in the first ticks"));
+  CHECK(tells(scene, "\"reference_angle\": 1.25"));
+  scene.joints[0].reference_angle = 1.2;
+  CHECK(scene_notes(scene).empty());
+  scene.joints[0].kind = engine::JointKind::revolute;  // it holds no angle
+  scene.joints[0].reference_angle = 0;
+  CHECK(scene_notes(scene).empty());
+  scene.joints = {weld, weld};
+  scene.joints[1].kind = engine::JointKind::prismatic;
+  CHECK(tells(scene, ", as 1 more;"));
+  scene.joints = {weld};
+  scene.joints[0].body_b = 2;
+  scene.joints[0].reference_angle = engine::pi;  // angles that differ by whole turns are one
+  CHECK(scene_notes(scene).empty());
+  scene.joints = {weld};
+  scene.joints[0].spring = engine::JointSpring{true, 0, 0, 10, 1};
+  CHECK(scene_notes(scene).empty());
 }
 
 TEST_CASE("f32 far from the origin is told beyond 2^17 sizes of the smallest moving shape",
