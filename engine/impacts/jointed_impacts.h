@@ -3,10 +3,10 @@
 // Source: Moreau, "Unilateral Contact and Dry Friction in Finite Freedom Dynamics", 1988 (inelastic impact as a
 // projection in the metric of the kinetic energy). The rows are solved by projected Gauss-Seidel.
 //
-// A contact of the solver knows the inertia of its two bodies. Where a direct joint holds one of them, its impulse
-// grows over several substeps, each of which starts with the impulse of the one before. That is right for a lasting
-// force. After an impact it throws an arm back. Closing contacts of jointed bodies are therefore stopped at the start
-// of each substep, by impulses that are not kept. Each impulse acts on a whole island.
+// A contact of the solver knows the inertia of its two bodies. Where a joint holds one of them, its impulse grows over
+// several substeps, each of which starts with the impulse of the one before. That is right for a lasting force. After
+// an impact it throws an arm back. Closing contacts of jointed bodies are therefore stopped at the start of each
+// substep, by impulses that are not kept. Each impulse acts on a whole island, also where its joints are iterative.
 #pragma once
 
 #include <array>
@@ -34,7 +34,7 @@ struct ImpactRow {
   std::uint32_t response = 0;     // in JointedImpacts::responses, of both parts one after the other
 };
 
-/// A point of a contact of which a direct joint holds a body.
+/// A point of a contact with a body of an island (DirectComponents).
 struct ImpactPoint {
   std::uint32_t batch = 0;
   std::uint32_t lane = 0;
