@@ -9,6 +9,4 @@ if(TICKTRUE_UNITY)
   foreach(source ${apart})
     set_source_files_properties(${PROJECT_SOURCE_DIR}/${source} DIRECTORY tool PROPERTIES SKIP_UNITY_BUILD_INCLUSION ON)
   endforeach()
-  set_source_files_properties(${PROJECT_SOURCE_DIR}/engine/impacts/jointed_impacts.cpp DIRECTORY engine
-    PROPERTIES SKIP_UNITY_BUILD_INCLUSION ON)  # `velocity_of`, as in direct_set.cpp
 endif()

@@ -13,6 +13,8 @@ constexpr double noticed_speed = 0.02;    // m/s: contacts that close more slowl
 constexpr double speed_tolerance = 2e-4;  // m/s
 constexpr double mobility_share = 1e-5;   // of the body alone: joints hold what moves less
 constexpr int sweep_max = 50;
+/// Contact points of an island times its bodies. Ropes that lie flat have more: each link meets its own inertia there.
+constexpr std::uint64_t response_max = 2048;
 constexpr std::uint32_t no_velocity = 0xffffffff;
 
 double lane_of(const ContactLanes& lanes, std::uint32_t lane) {
@@ -28,9 +30,12 @@ double larger_magnitude(double a, double b) {
   return a < absolute ? absolute : a;
 }
 
-Triple velocity_of(const MovingBody& body) {
-  return {static_cast<double>(body.velocity.x), static_cast<double>(body.velocity.y),
-          static_cast<double>(body.angular_velocity)};
+/// The island of a body, unless it has too many contact points; none: an impact meets the body alone.
+std::uint32_t island_of(const DirectWorkspace& direct, std::uint32_t row, const JointedImpacts& work) {
+  const std::uint32_t component = direct.components.component_of(row);
+  if (component == DirectComponents::none) return component;
+  const std::uint64_t bodies = direct.components.components()[component].moving_count;
+  return work.point_counts[component] * bodies <= response_max ? component : DirectComponents::none;
 }
 
 /// Finds the places of a body and of its island. Requires: the body moves.
@@ -40,7 +45,7 @@ void find_place(const DirectWorkspace& direct, std::uint32_t row, std::uint32_t&
     out.places[body] = static_cast<std::uint32_t>(out.rows.size());
     out.rows.push_back(body);
   };
-  part = {0, 1, direct.components.component_of(row)};
+  part = {0, 1, island_of(direct, row, out)};
   if (part.component == DirectComponents::none) {
     if (out.places[row] == no_velocity) add(row);
     place = part.first = out.places[row];
@@ -175,6 +180,17 @@ double solve_point(const SolvedSet& solved, DirectWorkspace& direct, ImpactPoint
   return change < 0 ? -change : change;
 }
 
+/// Counts the contact points of each island in a set.
+void count_points(const SolvedSet& solved, const DirectWorkspace& direct, JointedImpacts& out) {
+  out.point_counts.assign(direct.components.components().size(), 0);
+  for (const std::uint32_t contact : solved.contacts()) {
+    const ContactPair& pair = solved.tick.contact_pairs[contact];
+    for (const std::uint32_t row : {pair.body_a, pair.body_b})
+      if (const std::uint32_t component = direct.components.component_of(row); component != DirectComponents::none)
+        out.point_counts[component] += static_cast<std::uint32_t>(pair.manifold.point_count);
+  }
+}
+
 /// Lists the contact points of jointed bodies.
 void list_points(const SolvedSet& solved, const DirectWorkspace& direct, const ContactBatches& contacts,
                  JointedImpacts& out) {
@@ -184,9 +200,8 @@ void list_points(const SolvedSet& solved, const DirectWorkspace& direct, const C
   if (direct.components.components().empty()) return;
   const SolverBodies& bodies = solved.bodies;
   const std::uint32_t sink = dummy_sink(bodies);
-  const auto is_jointed = [&](std::uint32_t row) {
-    return direct.components.component_of(row) != DirectComponents::none;
-  };
+  const auto is_jointed = [&](std::uint32_t row) { return island_of(direct, row, out) != DirectComponents::none; };
+  count_points(solved, direct, out);
   for (std::uint32_t i = solved.set.first_batch; i < solved.set.batch_end; ++i) {
     const ContactBatch& batch = contacts.batches[i];
     for (std::uint32_t lane = 0; lane < static_cast<std::uint32_t>(batch.count); ++lane) {

@@ -6,7 +6,8 @@
 // A contact of the solver knows the inertia of its two bodies. Where a joint holds one of them, its impulse grows over
 // several substeps, each of which starts with the impulse of the one before. That is right for a lasting force. After
 // an impact it throws an arm back. Closing contacts of jointed bodies are therefore stopped at the start of each
-// substep, by impulses that are not kept. Each impulse acts on a whole island, also where its joints are iterative.
+// substep, by impulses that are not kept. Each impulse acts on a whole island, also where its joints are iterative. An
+// island with too many contact points is left to the solver (response_max).
 #pragma once
 
 #include <array>
@@ -51,19 +52,20 @@ struct ImpactPoint {
 
 struct JointedImpacts {
   std::vector<ImpactPoint> points;
-  std::vector<std::uint32_t> components;  // islands that are touched
-  std::vector<std::uint32_t> rows;        // [place] the body
-  std::vector<std::uint32_t> places;      // [body]
-  std::vector<Triple> velocities;         // [place]
-  std::vector<Triple> responses;          // changes of velocities per impulse
-  std::vector<Triple> stopped;            // [place] velocities before a bounce
-  std::vector<double> start_energies;     // [body] kinetic energy of listed bodies when the tick began, J
+  std::vector<std::uint32_t> components;    // islands that are touched
+  std::vector<std::uint32_t> point_counts;  // [component] contact points
+  std::vector<std::uint32_t> rows;          // [place] the body
+  std::vector<std::uint32_t> places;        // [body]
+  std::vector<Triple> velocities;           // [place]
+  std::vector<Triple> responses;            // changes of velocities per impulse
+  std::vector<Triple> stopped;              // [place] velocities before a bounce
+  std::vector<double> start_energies;       // [body] kinetic energy of listed bodies when the tick began, J
 };
 
 template <typename Visit>
 void list_fields(JointedImpacts& of, const Visit& visit) {
-  auto& [points, components, rows, places, velocities, responses, stopped, start_energies] = of;
-  visit(points, components, rows, places, velocities, responses, stopped, start_energies);
+  auto& [points, components, point_counts, rows, places, velocities, responses, stopped, start_energies] = of;
+  visit(points, components, point_counts, rows, places, velocities, responses, stopped, start_energies);
 }
 
 /// Lists the contact points of jointed bodies of a set; their pushes are taken back. Requires: find_direct_joints,

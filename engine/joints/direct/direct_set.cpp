@@ -17,11 +17,6 @@ constexpr double slow_miss = 1e-6;
 /// Alternations of joints and contacts, before the move and after it, if something touches a jointed body of the set.
 constexpr int turn_count_of_touched = 2;
 
-Triple velocity_of(const MovingBody& body) {
-  return {static_cast<double>(body.velocity.x), static_cast<double>(body.velocity.y),
-          static_cast<double>(body.angular_velocity)};
-}
-
 Twist twist_of(const Triple& v) {
   return {{static_cast<Real>(v[0]), static_cast<Real>(v[1])}, static_cast<Real>(v[2])};
 }

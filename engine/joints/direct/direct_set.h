@@ -36,6 +36,11 @@ void list_fields(DirectIsland& of, const Visit& visit) {
 
 namespace ticktrue::engine::TICKTRUE_PRECISION {
 
+inline Triple velocity_of(const MovingBody& body) {
+  return {static_cast<double>(body.velocity.x), static_cast<double>(body.velocity.y),
+          static_cast<double>(body.angular_velocity)};
+}
+
 /// The island of a component, and the velocity changes of its bodies by its joints in this substep.
 struct DirectSetIsland {
   DirectIsland island;
