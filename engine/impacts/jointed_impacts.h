@@ -76,8 +76,8 @@ void prepare_jointed_contacts(const SolvedSet& solved, const DirectWorkspace& di
 void stop_jointed_contacts(const SolvedSet& solved, DirectWorkspace& direct, ContactBatches& contacts,
                            JointedImpacts& work);
 /// Applies restitution at points of jointed bodies that hit faster than `threshold`; bounce_contacts then leaves them
-/// out. What bounces has at most the kinetic energy of the tick's start. True if there was such a point. Lists the
-/// points anew.
+/// out. A bounce leaves its bodies at most the kinetic energy that they had when the tick began. True if there was such
+/// a point. Lists the points anew.
 bool bounce_jointed_contacts(const SolvedSet& solved, Real threshold, DirectWorkspace& direct, ContactBatches& contacts,
                              JointedImpacts& work);
 /// Removes the velocity that pushes have left, as relax_contacts does, by impulses on whole islands. Call after it.

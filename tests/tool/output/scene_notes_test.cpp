@@ -74,7 +74,7 @@ TEST_CASE("two of one prototype may meet", "[verifier][session][notes]") {
   CHECK(tells(scene, "restitution 1"));
 }
 
-TEST_CASE("joints that turn their bodies are told, with the angle that does not", "[verifier][session][notes]") {
+TEST_CASE("a note names a joint that turns its bodies, and the angle that leaves them", "[verifier][session][notes]") {
   Scene scene = empty_scene(Precision::f32);
   for (const double x : {0.0, 1.0, 2.0}) scene.bodies.push_back(body_of(box_shape(0.5, 0.1), {x, 0}));
   scene.bodies[1].angle = 1.25;
