@@ -11,18 +11,10 @@ namespace {
 
 constexpr double noticed_speed = 0.02;    // m/s: contacts that close more slowly are left to the solver
 constexpr double speed_tolerance = 2e-4;  // m/s
-constexpr double mobility_share = 1e-5;   // of the body alone: joints hold what moves less
 constexpr int sweep_max = 50;
-/// Contact points of an island times its bodies. Ropes that lie flat have more: each link meets its own inertia there.
-constexpr std::uint64_t response_max = 2048;
-constexpr std::uint32_t no_velocity = 0xffffffff;
 
 double lane_of(const ContactLanes& lanes, std::uint32_t lane) {
   return static_cast<double>(lanes.at[lane]);
-}
-
-double dot_product(const Triple& a, const Triple& b) {
-  return (a[0] * b[0] + a[1] * b[1]) + a[2] * b[2];
 }
 
 double larger_magnitude(double a, double b) {
@@ -30,35 +22,22 @@ double larger_magnitude(double a, double b) {
   return a < absolute ? absolute : a;
 }
 
-/// The island of a body, unless it has too many contact points; none: an impact meets the body alone.
-std::uint32_t island_of(const DirectWorkspace& direct, std::uint32_t row, const JointedImpacts& work) {
-  const std::uint32_t component = direct.components.component_of(row);
-  if (component == DirectComponents::none) return component;
-  const std::uint64_t bodies = direct.components.components()[component].moving_count;
-  return work.point_counts[component] * bodies <= response_max ? component : DirectComponents::none;
-}
-
-/// Finds the places of a body and of its island. Requires: the body moves.
-void find_place(const DirectWorkspace& direct, std::uint32_t row, std::uint32_t& place, ImpactBodies& part,
-                JointedImpacts& out) {
-  const auto add = [&out](std::uint32_t body) {
-    out.places[body] = static_cast<std::uint32_t>(out.rows.size());
-    out.rows.push_back(body);
-  };
-  part = {0, 1, island_of(direct, row, out)};
-  if (part.component == DirectComponents::none) {
-    if (out.places[row] == no_velocity) add(row);
-    place = part.first = out.places[row];
-    return;
+/// Loads the islands of the points, and forgets the impulses.
+void load_islands(const SolvedSet& solved, DirectWorkspace& direct, JointedImpacts& work) {
+  for (const std::uint32_t number : work.islands.components) {
+    const DirectComponent& component = direct.components.components()[number];
+    DirectSetIsland& at = direct.islands[number];
+    factor_for_impacts(solved, component, direct, at);
+    if (!direct.solves_joints) project_for_impacts(solved, component, at);
   }
-  const DirectComponent& component = direct.components.components()[part.component];
-  part.count = static_cast<std::uint32_t>(component.moving_count);
-  if (out.places[row] == no_velocity) {
-    out.components.push_back(part.component);
-    for (std::size_t i = 0; i < component.moving_count; ++i) add(component.bodies[i]);
-  }
-  part.first = out.places[component.bodies[0]];
-  place = out.places[row];
+  work.velocities.clear();
+  for (const std::uint32_t row : work.islands.rows) work.velocities.push_back(velocity_of(solved.bodies.records[row]));
+  work.islands.responses.clear();
+  for (ImpactPoint& point : work.points)
+    for (ImpactRow* row : {&point.normal, &point.tangent}) {
+      row->impulse = 0;
+      row->mobility = -1;
+    }
 }
 
 /// The speed of a row for the bodies' records.
@@ -67,73 +46,13 @@ double speed_of(const ImpactPoint& point, const ImpactRow& row, const SolverBodi
          dot_product(row.along[1], velocity_of(bodies.records[point.records[1]]));
 }
 
-/// Impacts are those of rigid rows: springs, motors and limits act later.
-void load_islands(const SolvedSet& solved, DirectWorkspace& direct, JointedImpacts& work) {
-  for (const std::uint32_t number : work.components) {
-    DirectSetIsland& at = direct.islands[number];
-    if (direct.solves_joints)
-      factor_rigid_rows(at.island);
-    else
-      load_for_impacts(solved, direct.components.components()[number], at);
-  }
-  work.velocities.clear();
-  for (const std::uint32_t row : work.rows) work.velocities.push_back(velocity_of(solved.bodies.records[row]));
-  work.responses.clear();
-  for (ImpactPoint& point : work.points)
-    for (ImpactRow* row : {&point.normal, &point.tangent}) {
-      row->impulse = 0;
-      row->mobility = -1;
-    }
-}
-
-/// The velocity change of a body of a point, per impulse of the row.
-const Triple& response_at(const ImpactPoint& point, const ImpactRow& row, std::size_t side,
-                          const JointedImpacts& work) {
-  const ImpactBodies& first = point.parts[0];
-  const std::size_t start = row.response + (point.parts[side].count == 0 || side == 0 ? 0 : first.count);
-  return work.responses[start + (point.places[side] - point.parts[side].first)];
-}
-
-/// Computes how a row's impulse changes velocities.
-void find_response(const SolvedSet& solved, DirectWorkspace& direct, const ImpactPoint& point, ImpactRow& row,
-                   JointedImpacts& work) {
-  row.response = static_cast<std::uint32_t>(work.responses.size());
-  double alone = 0;
-  for (std::size_t side = 0; side < 2; ++side) {
-    if (point.places[side] == no_velocity) continue;
-    const BodyMass& mass = solved.bodies.masses[work.rows[point.places[side]]];
-    const double inv_mass = static_cast<double>(mass.inv_mass);
-    const Triple& along = row.along[side];
-    const Triple change = {inv_mass * along[0], inv_mass * along[1], static_cast<double>(mass.inv_inertia) * along[2]};
-    alone += dot_product(change, along);
-    const ImpactBodies& part = point.parts[side];
-    if (part.count == 0) continue;
-    if (part.component == DirectComponents::none) {
-      work.responses.push_back(change);
-      continue;
-    }
-    DirectIsland& island = direct.islands[part.component].island;
-    clear_body_impulses(island);
-    for (std::size_t other = 0; other < 2; ++other)
-      if (point.places[other] != no_velocity && point.parts[other].component == part.component)
-        add_body_impulse(island, point.places[other] - part.first, row.along[other]);
-    solve_body_impulses(island);
-    for (std::uint32_t i = 0; i < part.count; ++i) work.responses.push_back(velocity_change(island, i));
-  }
-  row.mobility = 0;
-  for (std::size_t side = 0; side < 2; ++side)
-    if (point.places[side] != no_velocity)
-      row.mobility += dot_product(row.along[side], response_at(point, row, side, work));
-  if (!(row.mobility > mobility_share * alone)) row.mobility = 0;
-}
-
 double present_speed(const ImpactPoint& point, const ImpactRow& row, const SolverBodies& bodies,
                      const JointedImpacts& work) {
   double speed = 0;
   for (std::size_t side = 0; side < 2; ++side) {
-    const std::uint32_t place = point.places[side];
-    speed += dot_product(row.along[side], place != no_velocity ? work.velocities[place]
-                                                               : velocity_of(bodies.records[point.records[side]]));
+    const std::uint32_t place = point.ends.places[side];
+    speed += dot_product(row.along[side], place != no_impact_place ? work.velocities[place]
+                                                                   : velocity_of(bodies.records[point.records[side]]));
   }
   return speed;
 }
@@ -142,9 +61,10 @@ void apply(const ImpactPoint& point, ImpactRow& row, double impulse, JointedImpa
   const double change = impulse - row.impulse;
   row.impulse = impulse;
   std::size_t next = row.response;
-  for (const ImpactBodies& part : point.parts)
+  for (const ImpactBodies& part : point.ends.parts)
     for (std::uint32_t i = 0; i < part.count; ++i, ++next)
-      for (std::size_t k = 0; k < 3; ++k) work.velocities[part.first + i][k] += change * work.responses[next][k];
+      for (std::size_t k = 0; k < 3; ++k)
+        work.velocities[part.first + i][k] += change * work.islands.responses[next][k];
 }
 
 /// Moves the normal speed of a point into the range from the least speed to rest, as far as its impulse pushes, and
@@ -158,7 +78,7 @@ double solve_point(const SolvedSet& solved, DirectWorkspace& direct, ImpactPoint
   if (speed < point.least_speed) change = point.least_speed - speed;
   if (speed > most_speed && normal.impulse > 0) change = most_speed - speed;
   if (change != 0) {
-    if (normal.mobility < 0) find_response(solved, direct, point, normal, work);
+    if (normal.mobility < 0) find_response(solved, direct, point.ends, normal, work.islands);
     if (normal.mobility > 0) {
       const double before = normal.impulse;
       const double wanted = before + change / normal.mobility;
@@ -169,7 +89,7 @@ double solve_point(const SolvedSet& solved, DirectWorkspace& direct, ImpactPoint
   ImpactRow& tangent = point.tangent;
   const double limit = point.friction * normal.impulse;
   if (limit > 0) {
-    if (tangent.mobility < 0) find_response(solved, direct, point, tangent, work);
+    if (tangent.mobility < 0) find_response(solved, direct, point.ends, tangent, work.islands);
     if (tangent.mobility > 0) {
       const double slip = present_speed(point, tangent, solved.bodies, work) + point.tangent_speed;
       const double wanted = tangent.impulse - slip / tangent.mobility;
@@ -180,46 +100,28 @@ double solve_point(const SolvedSet& solved, DirectWorkspace& direct, ImpactPoint
   return change < 0 ? -change : change;
 }
 
-/// Counts the contact points of each island in a set.
-void count_points(const SolvedSet& solved, const DirectWorkspace& direct, JointedImpacts& out) {
-  out.point_counts.assign(direct.components.components().size(), 0);
-  for (const std::uint32_t contact : solved.contacts()) {
-    const ContactPair& pair = solved.tick.contact_pairs[contact];
-    for (const std::uint32_t row : {pair.body_a, pair.body_b})
-      if (const std::uint32_t component = direct.components.component_of(row); component != DirectComponents::none)
-        out.point_counts[component] += static_cast<std::uint32_t>(pair.manifold.point_count);
-  }
-}
-
 /// Lists the contact points of jointed bodies.
 void list_points(const SolvedSet& solved, const DirectWorkspace& direct, const ContactBatches& contacts,
                  JointedImpacts& out) {
   out.points.clear();
-  out.components.clear();
-  out.rows.clear();
+  clear_islands(solved, direct, out.islands);
   if (direct.components.components().empty()) return;
-  const SolverBodies& bodies = solved.bodies;
-  const std::uint32_t sink = dummy_sink(bodies);
-  const auto is_jointed = [&](std::uint32_t row) { return island_of(direct, row, out) != DirectComponents::none; };
-  count_points(solved, direct, out);
+  for (const std::uint32_t contact : solved.contacts()) {
+    const ContactPair& pair = solved.tick.contact_pairs[contact];
+    count_points(direct, pair.body_a, pair.body_b, static_cast<std::uint32_t>(pair.manifold.point_count), out.islands);
+  }
+  const auto is_jointed = [&](std::uint32_t row) { return meets_island(direct, row, out.islands); };
   for (std::uint32_t i = solved.set.first_batch; i < solved.set.batch_end; ++i) {
     const ContactBatch& batch = contacts.batches[i];
     for (std::uint32_t lane = 0; lane < static_cast<std::uint32_t>(batch.count); ++lane) {
       const ContactPair& pair = solved.tick.contact_pairs[batch.contact[lane]];
       if (!is_jointed(pair.body_a) && !is_jointed(pair.body_b)) continue;
-      if (out.points.empty()) out.places.assign(bodies.masses.size(), no_velocity);
       ImpactPoint at;
       at.batch = i;
       at.lane = lane;
       at.friction = lane_of(batch.friction, lane);
-      at.places = {no_velocity, no_velocity};
-      for (std::size_t side = 0; side < 2; ++side) {
-        const std::uint32_t row = side == 0 ? pair.body_a : pair.body_b;
-        at.records[side] = bodies.masses[row].read;
-        if (bodies.masses[row].write != sink) find_place(direct, row, at.places[side], at.parts[side], out);
-      }
-      if (at.parts[1].component != DirectComponents::none && at.parts[1].component == at.parts[0].component)
-        at.parts[1].count = 0;
+      at.records = {solved.bodies.masses[pair.body_a].read, solved.bodies.masses[pair.body_b].read};
+      at.ends = find_ends(solved, direct, pair.body_a, pair.body_b, out.islands);
       if (!contacts.surfaces.empty()) at.tangent_speed = lane_of(contacts.surfaces[i].tangent_speed, lane);
       const double nx = lane_of(batch.normal_x, lane);
       const double ny = lane_of(batch.normal_y, lane);
@@ -259,16 +161,14 @@ void solve_points(const SolvedSet& solved, DirectWorkspace& direct, JointedImpac
   }
 }
 
-/// Ends factor_rigid_rows.
+/// Ends load_islands for passes that follow in the substep.
 void factor_again(DirectWorkspace& direct, const JointedImpacts& work) {
-  if (!direct.solves_joints) return;
-  for (const std::uint32_t component : work.components)
-    if (DirectIsland& island = direct.islands[component].island; island.has_drives) factor_island(island);
+  for (const std::uint32_t component : work.islands.components) end_impacts_of(direct, direct.islands[component]);
 }
 
 void store_velocities(const SolvedSet& solved, const JointedImpacts& work) {
-  for (std::size_t i = 0; i < work.rows.size(); ++i) {
-    MovingBody& record = solved.bodies.records[work.rows[i]];
+  for (std::size_t i = 0; i < work.islands.rows.size(); ++i) {
+    MovingBody& record = solved.bodies.records[work.islands.rows[i]];
     const Triple& velocity = work.velocities[i];
     record.velocity = {static_cast<Real>(velocity[0]), static_cast<Real>(velocity[1])};
     record.angular_velocity = static_cast<Real>(velocity[2]);
@@ -286,16 +186,17 @@ double double_energy(const BodyMass& mass, const Triple& v, const Triple& w) {
 void store_start_energies(const SolvedSet& solved, JointedImpacts& work) {
   const SolverBodies& bodies = solved.bodies;
   work.start_energies.resize(bodies.masses.size());
-  for (const std::uint32_t row : work.rows) {
+  for (const std::uint32_t row : work.islands.rows) {
     const Triple velocity = velocity_of(bodies.records[row]);
     work.start_energies[row] = 0.5 * double_energy(bodies.masses[row], velocity, velocity);
   }
   for (const ImpactPoint& point : work.points)
     for (std::size_t side = 0; side < 2; ++side) {
       const Triple velocity = velocity_of(bodies.records[point.records[side]]);
-      const ImpactBodies& other = point.parts[1 - side];
-      if (point.places[side] != no_velocity || !(dot_product(velocity, velocity) > 0)) continue;
-      for (std::uint32_t i = 0; i < other.count; ++i) work.start_energies[work.rows[other.first + i]] = HUGE_VAL;
+      const ImpactBodies& other = point.ends.parts[1 - side];
+      if (point.ends.places[side] != no_impact_place || !(dot_product(velocity, velocity) > 0)) continue;
+      for (std::uint32_t i = 0; i < other.count; ++i)
+        work.start_energies[work.islands.rows[other.first + i]] = HUGE_VAL;
     }
 }
 
@@ -305,20 +206,20 @@ void bound_bounce(const SolvedSet& solved, JointedImpacts& work) {
   double allowed = 0;
   double linear = 0;  // the energy grows by share * linear + share^2 * square
   double square = 0;
-  for (std::size_t i = 0; i < work.rows.size(); ++i) {
-    const BodyMass& mass = solved.bodies.masses[work.rows[i]];
+  for (std::size_t i = 0; i < work.islands.rows.size(); ++i) {
+    const BodyMass& mass = solved.bodies.masses[work.islands.rows[i]];
     const Triple& v = work.stopped[i];
     const Triple& after = work.velocities[i];
     const Triple change = {after[0] - v[0], after[1] - v[1], after[2] - v[2]};
     if (!(dot_product(change, change) > 0)) continue;
-    allowed += work.start_energies[work.rows[i]] - 0.5 * double_energy(mass, v, v);
+    allowed += work.start_energies[work.islands.rows[i]] - 0.5 * double_energy(mass, v, v);
     linear += double_energy(mass, v, change);
     square += 0.5 * double_energy(mass, change, change);
   }
   if (allowed < 0) allowed = 0;
   if (linear + square <= allowed || !(square > 0)) return;
   const double share = (__builtin_sqrt(linear * linear + 4 * square * allowed) - linear) / (2 * square);
-  for (std::size_t i = 0; i < work.rows.size(); ++i)
+  for (std::size_t i = 0; i < work.islands.rows.size(); ++i)
     for (std::size_t k = 0; k < 3; ++k)
       work.velocities[i][k] = work.stopped[i][k] + share * (work.velocities[i][k] - work.stopped[i][k]);
 }

@@ -7,7 +7,7 @@
 // several substeps, each of which starts with the impulse of the one before. That is right for a lasting force. After
 // an impact it throws an arm back. Closing contacts of jointed bodies are therefore stopped at the start of each
 // substep, by impulses that are not kept. Each impulse acts on a whole island, also where its joints are iterative. An
-// island with too many contact points is left to the solver (response_max).
+// island with too many contact points is left to the solver (meets_island).
 #pragma once
 
 #include <array>
@@ -15,25 +15,10 @@
 #include <vector>
 
 #include "engine/contacts/contact_batch.h"
-#include "engine/joints/direct/direct_set.h"
+#include "engine/impacts/island_response.h"
 #include "engine/model/solved_set.h"
 
 namespace ticktrue::engine::TICKTRUE_PRECISION {
-
-/// Neighbouring velocities of JointedImpacts: those of a free body, or of the moving bodies of an island.
-struct ImpactBodies {
-  std::uint32_t first = 0;
-  std::uint32_t count = 0;  // 0: the body does not move
-  std::uint32_t component = DirectComponents::none;
-};
-
-/// A row of a contact point: its normal or its tangent.
-struct ImpactRow {
-  std::array<Triple, 2> along{};  // [body] the gradient of the row's speed
-  double impulse = 0;             // N s
-  double mobility = -1;           // 1/kg; below 0: not computed yet
-  std::uint32_t response = 0;     // in JointedImpacts::responses, of both parts one after the other
-};
 
 /// A point of a contact with a body of an island (DirectComponents).
 struct ImpactPoint {
@@ -41,8 +26,7 @@ struct ImpactPoint {
   std::uint32_t lane = 0;
   std::uint32_t point = 0;
   std::array<std::uint32_t, 2> records{};  // of the bodies, to read
-  std::array<std::uint32_t, 2> places{};   // in JointedImpacts::velocities, if the body moves
-  std::array<ImpactBodies, 2> parts{};     // the second is empty if both bodies are in one island
+  ImpactEnds ends;
   ImpactRow normal;
   ImpactRow tangent;
   double least_speed = 0;    // of the normal after the impact, m/s
@@ -52,20 +36,16 @@ struct ImpactPoint {
 
 struct JointedImpacts {
   std::vector<ImpactPoint> points;
-  std::vector<std::uint32_t> components;    // islands that are touched
-  std::vector<std::uint32_t> point_counts;  // [component] contact points
-  std::vector<std::uint32_t> rows;          // [place] the body
-  std::vector<std::uint32_t> places;        // [body]
-  std::vector<Triple> velocities;           // [place]
-  std::vector<Triple> responses;            // changes of velocities per impulse
-  std::vector<Triple> stopped;              // [place] velocities before a bounce
-  std::vector<double> start_energies;       // [body] kinetic energy of listed bodies when the tick began, J
+  ImpactIslands islands;
+  std::vector<Triple> velocities;      // [place]
+  std::vector<Triple> stopped;         // [place] velocities before a bounce
+  std::vector<double> start_energies;  // [body] kinetic energy of listed bodies when the tick began, J
 };
 
 template <typename Visit>
 void list_fields(JointedImpacts& of, const Visit& visit) {
-  auto& [points, components, point_counts, rows, places, velocities, responses, stopped, start_energies] = of;
-  visit(points, components, point_counts, rows, places, velocities, responses, stopped, start_energies);
+  auto& [points, islands, velocities, stopped, start_energies] = of;
+  visit(points, islands, velocities, stopped, start_energies);
 }
 
 /// Lists the contact points of jointed bodies of a set; their pushes are taken back. Requires: find_direct_joints,

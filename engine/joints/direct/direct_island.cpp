@@ -600,7 +600,14 @@ void project_velocities(DirectIsland& island) {
 
 void factor_rigid_rows(DirectIsland& island) {
   if (!island.has_drives) return;
+  island.saved_drives = island.drives;
   for (DirectDrive& drive : island.drives) drive.law = {};
+  factor_laws(island);
+}
+
+void end_rigid_rows(DirectIsland& island) {
+  if (!island.has_drives) return;
+  island.drives = island.saved_drives;
   factor_laws(island);
 }
 

@@ -111,8 +111,10 @@ void end_push(DirectIsland& island);
 /// Requires: the system is factored at the poses after the move.
 void project_velocities(DirectIsland& island);
 
-/// Factors the rigid rows alone, for the three functions below. factor_island or begin_substep ends that.
+/// Factors the rigid rows alone, for the three functions below. Saves the drives.
 void factor_rigid_rows(DirectIsland& island);
+/// Restores the drives and factors all rows.
+void end_rigid_rows(DirectIsland& island);
 void clear_body_impulses(DirectIsland& island);
 /// Adds an impulse on a moving body.
 void add_body_impulse(DirectIsland& island, std::uint32_t body, const Triple& impulse);

@@ -253,10 +253,20 @@ void project_direct_again(const SolvedSet& solved, DirectWorkspace& work) {
   project_direct(solved, work);
 }
 
-void load_for_impacts(const SolvedSet& solved, const DirectComponent& component, DirectSetIsland& at) {
-  fill_bodies(solved, component, at.island);
-  factor_island(at.island);
+void factor_for_impacts(const SolvedSet& solved, const DirectComponent& component, const DirectWorkspace& work,
+                        DirectSetIsland& at) {
+  if (!work.solves_joints) {
+    fill_bodies(solved, component, at.island);
+    factor_island(at.island);
+  }
   factor_rigid_rows(at.island);
+}
+
+void end_impacts_of(const DirectWorkspace& work, DirectSetIsland& at) {
+  if (work.solves_joints) end_rigid_rows(at.island);
+}
+
+void project_for_impacts(const SolvedSet& solved, const DirectComponent& component, DirectSetIsland& at) {
   load_velocities(solved, component, at);
   project_velocities(at.island);
   store_velocities_of(solved, component, at);

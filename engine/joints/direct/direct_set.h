@@ -101,9 +101,15 @@ void end_direct_move(const SolvedSet& solved, DirectWorkspace& work);
 void project_direct(const SolvedSet& solved, DirectWorkspace& work);
 /// The same as project_direct for a set, after the solver has ended.
 void project_direct_again(const SolvedSet& solved, DirectWorkspace& work);
-/// Loads the present poses of an island that is not solved in this tick, and factors its rigid rows. The bodies get
-/// velocities that keep these rows.
-void load_for_impacts(const SolvedSet& solved, const DirectComponent& component, DirectSetIsland& at);
+/// Factors the rigid rows of an island alone, at its present poses. Requires, if its joints are solved in this tick: it
+/// is factored.
+void factor_for_impacts(const SolvedSet& solved, const DirectComponent& component, const DirectWorkspace& work,
+                        DirectSetIsland& at);
+/// Brings the other rows back, if the joints are solved in this tick.
+void end_impacts_of(const DirectWorkspace& work, DirectSetIsland& at);
+/// Gives the bodies velocities that keep the rigid rows. Requires: factor_for_impacts, and the joints are not solved in
+/// this tick.
+void project_for_impacts(const SolvedSet& solved, const DirectComponent& component, DirectSetIsland& at);
 /// Stores the impulses in state.joints, as forces.
 void store_direct(const SolvedSet& solved, const DirectWorkspace& work, State& state);
 
