@@ -4,6 +4,7 @@
 // advancement: no pair can close its gap sooner than gap / greatest closing speed; impacts in order of time).
 #include "engine/impacts/impacts.h"
 
+#include "engine/impacts/impact_impulses.h"
 #include "engine/integrators/motion_rows.h"
 #include "engine/model/solved_set.h"
 #include "engine/narrow_phase/distance.h"
@@ -213,7 +214,56 @@ void stop(const State& state, std::uint32_t row, ImpactPath& path, Real time, co
   path.angular_velocity = carrier->angular_velocity;
 }
 
-void resolve(const SolvedSet& solved, ImpactWorkspace& work, const ImpactPair& pair) {
+/// Changes the velocities of all bodies that the impulses move.
+void apply_to_islands(ImpactWorkspace& work, const IslandImpact& impact, Real time, const Impulses& impulses) {
+  const ImpactIslands& islands = work.islands;
+  std::size_t next = 0;
+  for (const ImpactBodies& part : impact.ends.parts)
+    for (std::uint32_t i = 0; i < part.count; ++i, ++next) {
+      const Triple& by_normal = islands.responses[impact.normal.response + next];
+      const Triple& by_tangent = islands.responses[impact.tangent.response + next];
+      const auto change = [&](std::size_t k) {
+        return static_cast<Real>(static_cast<double>(impulses.normal) * by_normal[k] +
+                                 static_cast<double>(impulses.tangent) * by_tangent[k]);
+      };
+      change_velocity(work.paths[islands.rows[part.first + i]], time, {change(0), change(1)}, change(2));
+    }
+}
+
+/// Bodies of iterative joints get velocities that keep the rigid rows. Otherwise an impact might add energy.
+void project_paths(const SolvedSet& solved, const DirectComponent& component, DirectSetIsland& at, Real time,
+                   ImpactWorkspace& work) {
+  const auto velocity_in = [time](const ImpactPath& path) {
+    return velocity_of({velocity_at(path, time), path.angular_velocity, {}, {}});
+  };
+  work.velocities.clear();
+  for (std::size_t i = 0; i < component.moving_count; ++i)
+    work.velocities.push_back(velocity_in(work.paths[component.bodies[i]]));
+  project_for_impacts(solved, component, at, work.velocities);
+  for (std::size_t i = 0; i < component.moving_count; ++i) {
+    ImpactPath& path = work.paths[component.bodies[i]];
+    const Triple before = velocity_in(path);
+    const Triple& after = work.velocities[i];
+    const auto change = [&](std::size_t k) { return static_cast<Real>(after[k] - before[k]); };
+    change_velocity(path, time, {change(0), change(1)}, change(2));
+  }
+}
+
+/// Prepares the islands of the first impact in a substep that meets them.
+void enter_islands(const SolvedSet& solved, DirectWorkspace& direct, ImpactWorkspace& work, const ImpactEnds& ends,
+                   Real time) {
+  for (const ImpactBodies& part : ends.parts) {
+    if (part.component == DirectComponents::none || work.islands.is_factored[part.component] != 0) continue;
+    work.islands.is_factored[part.component] = 1;
+    const DirectComponent& component = direct.components.components()[part.component];
+    DirectSetIsland& at = direct.islands[part.component];
+    factor_for_impacts(solved, component, direct, at);
+    if (!direct.solves_joints) project_paths(solved, component, at, time, work);
+  }
+}
+
+/// Gives the bodies of a pair their impulses. Returns the islands that these have moved, if any.
+ImpactEnds resolve(const SolvedSet& solved, DirectWorkspace& direct, ImpactWorkspace& work, const ImpactPair& pair) {
   const Model& model = solved.model;
   const State& state = solved.state;
   ImpactPath& path_a = work.paths[pair.body_a];
@@ -224,39 +274,32 @@ void resolve(const SolvedSet& solved, ImpactWorkspace& work, const ImpactPair& p
   const Placement b = pose_at(state, path_b, pair.body_b, pair.time);
   const Vec2 arm_a = pair.point - a.position;
   const Vec2 arm_b = pair.point - b.position;
+  IslandImpact impact;
+  const bool meets_islands = find_islands(solved, direct, pair, work.islands, impact.ends);
+  if (meets_islands) enter_islands(solved, direct, work, impact.ends, pair.time);
   const Vec2 relative = relative_velocity(a, b, path_a, path_b, pair.point, pair.time);
-  const auto effective_mass = [&](Vec2 direction) {
-    const Real lever_a = cross(arm_a, direction);
-    const Real lever_b = cross(arm_b, direction);
-    const Real k = ((model_a.inv_mass + model_b.inv_mass) + model_a.inv_inertia * lever_a * lever_a) +
-                   model_b.inv_inertia * lever_b * lever_b;
-    return k > 0 ? 1 / k : Real(0);
-  };
+  const Vec2 tangent = right_turn(pair.normal);
   const Real closing = -dot(relative, pair.normal);
   const Real e = closing > static_cast<Real>(model.restitution_threshold) ? pair.restitution : Real(0);
-  const Real normal_mass = effective_mass(pair.normal);
-  const Real normal_impulse = closing > 0 ? (1 + e) * closing * normal_mass : Real(0);
-  const Vec2 tangent = right_turn(pair.normal);
-  const Real tangent_mass = effective_mass(tangent);
-  const Real limit = pair.friction * normal_impulse;
-  const auto friction_against = [&](Real tangent_velocity) {
-    return smaller(larger(-tangent_velocity * tangent_mass, -limit), limit);
+  const ImpactSpeeds speeds = {closing, dot(relative, tangent), pair.friction, e};
+  if (meets_islands) find_responses(solved, direct, pair.normal, arm_a, arm_b, work.islands, impact);
+  if (impact.normal.mobility > 0) {
+    apply_to_islands(work, impact, pair.time, impulses_on_islands(mobility_of(impact, work.islands), speeds));
+    return impact.ends;
+  }
+  const auto mobility_along = [&](Vec2 direction) {
+    const Real lever_a = cross(arm_a, direction);
+    const Real lever_b = cross(arm_b, direction);
+    return ((model_a.inv_mass + model_b.inv_mass) + model_a.inv_inertia * lever_a * lever_a) +
+           model_b.inv_inertia * lever_b * lever_b;
   };
-  const Real tangent_velocity = dot(relative, tangent);
-  Real tangent_impulse = friction_against(tangent_velocity);
-  // The normal impulse also rotates a body. Friction against the velocity before the impulse may make the impact gain
-  // energy. In this case, friction acts against the velocity after the impulse, which never gains energy.
   const Real coupling = model_a.inv_inertia * cross(arm_a, tangent) * cross(arm_a, pair.normal) +
                         model_b.inv_inertia * cross(arm_b, tangent) * cross(arm_b, pair.normal);
-  const Real tangent_velocity_after = tangent_velocity + normal_impulse * coupling;
-  if (normal_impulse > 0 && tangent_mass > 0) {
-    const Real normal_work = normal_impulse * ((Real(0.5) / normal_mass) * normal_impulse - closing);
-    const Real tangent_work = tangent_impulse * (tangent_velocity_after + (Real(0.5) / tangent_mass) * tangent_impulse);
-    if (normal_work + tangent_work > 0) tangent_impulse = friction_against(tangent_velocity_after);
-  }
-  const Vec2 impulse = normal_impulse * pair.normal + tangent_impulse * tangent;
+  const Impulses impulses = impulses_alone({mobility_along(pair.normal), mobility_along(tangent), coupling}, speeds);
+  const Vec2 impulse = impulses.normal * pair.normal + impulses.tangent * tangent;
   change_velocity(path_a, pair.time, -model_a.inv_mass * impulse, -model_a.inv_inertia * cross(arm_a, impulse));
   change_velocity(path_b, pair.time, model_b.inv_mass * impulse, model_b.inv_inertia * cross(arm_b, impulse));
+  return {};
 }
 
 /// Starts the path of a body without impacts, from the integrator's prediction.
@@ -360,6 +403,22 @@ void expect_impact(const SolvedSet& solved, std::vector<ImpactPair>& impacts, Im
   if (pair.time < solved.set.h) push_event(work.events, {pair.time, index});
 }
 
+/// Lists the islands that active pairs may hit.
+void list_islands(const SolvedSet& solved, const std::vector<ImpactPair>& impacts, const DirectWorkspace& direct,
+                  ImpactWorkspace& work) {
+  ImpactIslands& islands = work.islands;
+  clear_islands(solved, direct, islands);
+  const std::size_t count = direct.components.components().size();
+  if (count == 0) return;
+  for (const std::uint32_t i : work.active) count_points(direct, impacts[i].body_a, impacts[i].body_b, 1, islands);
+  for (const std::uint32_t i : work.active) {
+    const ImpactPair& pair = impacts[i];
+    if (meets_island(direct, pair.body_a, islands) || meets_island(direct, pair.body_b, islands))
+      find_ends(solved, direct, pair.body_a, pair.body_b, islands);
+  }
+  islands.is_factored.assign(count, 0);
+}
+
 /// Lists the active pairs of each dynamic body.
 void list_pairs_of_bodies(const SolvedSet& solved, const std::vector<ImpactPair>& impacts, ImpactWorkspace& work) {
   std::vector<std::uint32_t>& start = work.starts;
@@ -407,13 +466,23 @@ bool is_left_to_impacts(const Model& model, const State& state, const TickLists&
   return true;
 }
 
-void save_impact_velocities(const SolvedSet& solved, ImpactWorkspace& work) {
-  if (solved.tick.impacts.empty()) return;
-  work.paths.resize(solved.state.bodies.size());
-  for (const ImpactPair& pair : solved.tick.impacts) {
-    work.paths[pair.body_a].start_velocity = solved.bodies.records[pair.body_a].velocity;
-    work.paths[pair.body_b].start_velocity = solved.bodies.records[pair.body_b].velocity;
+void begin_impacts(const SolvedSet& solved, const std::vector<ImpactPair>& impacts, const DirectWorkspace& direct,
+                   ImpactWorkspace& work) {
+  work.hit_rows.clear();
+  work.active.clear();
+  if (impacts.empty()) return;
+  const State& state = solved.state;
+  work.paths.resize(state.bodies.size());
+  for (std::uint32_t i = 0; i < impacts.size(); ++i) {
+    const ImpactPair& pair = impacts[i];
+    if (!solved.has_body(is_dynamic(solved.model, state, pair.body_a) ? pair.body_a : pair.body_b)) continue;
+    work.active.push_back(i);
+    for (const std::uint32_t row : {pair.body_a, pair.body_b})
+      work.paths[row].start_velocity = solved.bodies.records[row].velocity;
   }
+  list_islands(solved, impacts, direct, work);
+  for (const std::uint32_t row : work.islands.rows)
+    work.paths[row].start_velocity = solved.bodies.records[row].velocity;
 }
 
 void finish_impacts(const SolvedSet& solved, const ImpactWorkspace& work) {
@@ -425,22 +494,17 @@ void finish_impacts(const SolvedSet& solved, const ImpactWorkspace& work) {
 }
 
 void apply_impacts(const SolvedSet& solved, std::vector<ImpactPair>& impacts, DriftVelocities& drift,
-                   ImpactWorkspace& work) {
+                   DirectWorkspace& direct, ImpactWorkspace& work) {
+  if (work.active.empty()) return;
   const Model& model = solved.model;
   const State& state = solved.state;
-  work.hit_rows.clear();
-  if (impacts.empty()) return;
-  std::vector<std::uint32_t>& active = work.active;
-  active.clear();
-  for (std::uint32_t i = 0; i < impacts.size(); ++i) {
-    const ImpactPair& pair = impacts[i];
-    const bool a_moves = model.bodies[state.bodies[pair.body_a].source].type == BodyType::dynamic_body;
-    if (solved.has_body(a_moves ? pair.body_a : pair.body_b)) active.push_back(i);
-  }
+  const std::vector<std::uint32_t>& active = work.active;
+  ImpactIslands& islands = work.islands;
   for (const std::uint32_t i : active) {
     begin_path(solved, drift, work, impacts[i].body_a);
     begin_path(solved, drift, work, impacts[i].body_b);
   }
+  for (const std::uint32_t row : islands.rows) begin_path(solved, drift, work, row);
   list_pairs_of_bodies(solved, impacts, work);
   work.events.clear();
   for (const std::uint32_t i : active) {
@@ -460,7 +524,7 @@ void apply_impacts(const SolvedSet& solved, std::vector<ImpactPair>& impacts, Dr
       return is_dynamic(model, state, row) && !work.paths[row].is_stopped;
     };
     const bool a_changes = may_change(hit.body_a), b_changes = may_change(hit.body_b);
-    if (hit.is_located) resolve(solved, work, hit);
+    const ImpactEnds ends = hit.is_located ? resolve(solved, direct, work, hit) : ImpactEnds{};
     if (left > 0 && searches_left > 0 && hit.is_located) {
       --left;
     } else {
@@ -481,14 +545,28 @@ void apply_impacts(const SolvedSet& solved, std::vector<ImpactPair>& impacts, Dr
     };
     if (a_changes) search_again(hit.body_a);
     if (b_changes) search_again(hit.body_b);
+    for (const ImpactBodies& part : ends.parts)
+      for (std::uint32_t i = 0; i < part.count; ++i) {
+        const std::uint32_t row = islands.rows[part.first + i];
+        if (row != hit.body_a && row != hit.body_b && may_change(row)) search_again(row);
+      }
     if (!a_changes && !b_changes) expect_impact(solved, impacts, work, event.pair, hit.time);
   }
+  const auto end = [&](std::uint32_t row) {
+    end_path(solved, drift, work, row);
+    work.paths[row].is_hit = false;  // a body may be in several pairs
+  };
   for (const std::uint32_t i : active) {
-    for (const std::uint32_t row : {impacts[i].body_a, impacts[i].body_b}) {
-      end_path(solved, drift, work, row);
-      work.paths[row].is_hit = false;  // a body may be in several pairs
-    }
+    end(impacts[i].body_a);
+    end(impacts[i].body_b);
   }
+  for (const std::uint32_t row : islands.rows) end(row);
+  if (islands.components.empty()) return;
+  finish_impacts(solved, work);  // joints then see where their bodies start
+  work.hit_rows.clear();
+  for (const std::uint32_t component : islands.components)
+    if (islands.is_factored[component] != 0)
+      end_impacts_of(solved, direct.components.components()[component], direct, direct.islands[component]);
 }
 
 }  // namespace ticktrue::engine::TICKTRUE_PRECISION

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "engine/impacts/impact_rows.h"
+#include "engine/impacts/island_response.h"
 
 namespace ticktrue::engine::TICKTRUE_PRECISION {
 
@@ -35,21 +36,26 @@ struct ImpactWorkspace {
   std::vector<ImpactEvent> events;       // a heap, earliest first
   std::vector<std::uint32_t> starts;     // [body] in `of_bodies`
   std::vector<std::uint32_t> of_bodies;  // active pairs of each dynamic body
+  ImpactIslands islands;                 // of jointed bodies of active pairs
+  std::vector<Triple> velocities;        // of an island
 };
 
 template <typename Visit>
 void list_fields(ImpactWorkspace& of, const Visit& visit) {
-  auto& [paths, hit_rows, active, events, starts, of_bodies] = of;
-  visit(paths, hit_rows, active, events, starts, of_bodies);
+  auto& [paths, hit_rows, active, events, starts, of_bodies, islands, velocities] = of;
+  visit(paths, hit_rows, active, events, starts, of_bodies, islands, velocities);
 }
 
-/// Saves velocities before a substep. Call before the integrator predicts.
-void save_impact_velocities(const SolvedSet& solved, ImpactWorkspace& work);
-/// Finds and applies the impacts of the set that is being solved, in a substep. Call after the integrator's prediction.
-/// `impacts`: TickLists::impacts.
-void apply_impacts(const SolvedSet& solved, std::vector<ImpactPair>& impacts, DriftVelocities& drift,
+/// Lists the pairs of the set that is being solved, and saves velocities before a substep. Call before the integrator
+/// predicts. `impacts`: TickLists::impacts.
+void begin_impacts(const SolvedSet& solved, const std::vector<ImpactPair>& impacts, const DirectWorkspace& direct,
                    ImpactWorkspace& work);
-/// Brings the bodies that were hit to the ends of their paths. Call after the integrator's drift.
+/// Finds and applies the impacts of the set in a substep. What hits a jointed body meets the whole island. Call after
+/// the integrator's prediction.
+void apply_impacts(const SolvedSet& solved, std::vector<ImpactPair>& impacts, DriftVelocities& drift,
+                   DirectWorkspace& direct, ImpactWorkspace& work);
+/// Brings the bodies that were hit to the ends of their paths, unless apply_impacts has done so. Call after the
+/// integrator's drift.
 void finish_impacts(const SolvedSet& solved, const ImpactWorkspace& work);
 
 }  // namespace ticktrue::engine::TICKTRUE_PRECISION

@@ -43,12 +43,13 @@ struct ImpactIslands {
   std::vector<std::uint32_t> rows;          // [place] the body
   std::vector<std::uint32_t> places;        // [body]
   std::vector<Triple> responses;            // changes of velocities per impulse
+  std::vector<std::uint8_t> is_factored;    // [component] for impacts located in time: its rigid rows are factored
 };
 
 template <typename Visit>
 void list_fields(ImpactIslands& of, const Visit& visit) {
-  auto& [components, point_counts, rows, places, responses] = of;
-  visit(components, point_counts, rows, places, responses);
+  auto& [components, point_counts, rows, places, responses, is_factored] = of;
+  visit(components, point_counts, rows, places, responses, is_factored);
 }
 
 /// Removes all islands and points.

@@ -24,20 +24,24 @@ double larger_magnitude(double a, double b) {
 
 /// Loads the islands of the points, and forgets the impulses.
 void load_islands(const SolvedSet& solved, DirectWorkspace& direct, JointedImpacts& work) {
+  work.velocities.clear();
+  for (const std::uint32_t row : work.islands.rows) work.velocities.push_back(velocity_of(solved.bodies.records[row]));
   for (const std::uint32_t number : work.islands.components) {
     const DirectComponent& component = direct.components.components()[number];
     DirectSetIsland& at = direct.islands[number];
     factor_for_impacts(solved, component, direct, at);
-    if (!direct.solves_joints) project_for_impacts(solved, component, at);
+    if (direct.solves_joints) continue;
+    const std::span<Triple> velocities = work.velocities;
+    const std::uint32_t first = work.islands.places[component.bodies[0]];
+    project_for_impacts(solved, component, at, velocities.subspan(first, component.moving_count));
   }
-  work.velocities.clear();
-  for (const std::uint32_t row : work.islands.rows) work.velocities.push_back(velocity_of(solved.bodies.records[row]));
   work.islands.responses.clear();
   for (ImpactPoint& point : work.points)
     for (ImpactRow* row : {&point.normal, &point.tangent}) {
       row->impulse = 0;
       row->mobility = -1;
     }
+  for (ImpactPoint& point : work.points) point.impulse_max = HUGE_VAL;
 }
 
 /// The speed of a row for the bodies' records.
@@ -82,7 +86,8 @@ double solve_point(const SolvedSet& solved, DirectWorkspace& direct, ImpactPoint
     if (normal.mobility > 0) {
       const double before = normal.impulse;
       const double wanted = before + change / normal.mobility;
-      apply(point, normal, wanted > 0 ? wanted : 0, work);
+      const double at_most = wanted < point.impulse_max ? wanted : point.impulse_max;
+      apply(point, normal, at_most > 0 ? at_most : 0, work);
       change = (normal.impulse - before) * normal.mobility;
     }
   }
@@ -162,8 +167,9 @@ void solve_points(const SolvedSet& solved, DirectWorkspace& direct, JointedImpac
 }
 
 /// Ends load_islands for passes that follow in the substep.
-void factor_again(DirectWorkspace& direct, const JointedImpacts& work) {
-  for (const std::uint32_t component : work.islands.components) end_impacts_of(direct, direct.islands[component]);
+void factor_again(const SolvedSet& solved, DirectWorkspace& direct, const JointedImpacts& work) {
+  for (const std::uint32_t component : work.islands.components)
+    end_impacts_of(solved, direct.components.components()[component], direct, direct.islands[component]);
 }
 
 void store_velocities(const SolvedSet& solved, const JointedImpacts& work) {
@@ -272,7 +278,7 @@ bool bounce_jointed_contacts(const SolvedSet& solved, Real threshold, DirectWork
   solve_points(solved, direct, work);
   bound_bounce(solved, work);
   store_velocities(solved, work);
-  factor_again(direct, work);
+  factor_again(solved, direct, work);
   return true;
 }
 
@@ -288,7 +294,7 @@ void relax_jointed_contacts(const SolvedSet& solved, DirectWorkspace& direct, Co
     return;
   load_islands(solved, direct, work);
   for (ImpactPoint& point : work.points) {
-    point.normal.impulse = lane_of(lanes_of(point).normal_impulse, point.lane);
+    point.normal.impulse = point.impulse_max = lane_of(lanes_of(point).normal_impulse, point.lane);
     point.tangent.impulse = lane_of(lanes_of(point).tangent_impulse, point.lane);
   }
   solve_points(solved, direct, work);
@@ -297,7 +303,7 @@ void relax_jointed_contacts(const SolvedSet& solved, DirectWorkspace& direct, Co
     lanes_of(point).normal_impulse.at[point.lane] = static_cast<Real>(point.normal.impulse);
     lanes_of(point).tangent_impulse.at[point.lane] = static_cast<Real>(point.tangent.impulse);
   }
-  factor_again(direct, work);
+  factor_again(solved, direct, work);
 }
 
 }  // namespace ticktrue::engine::TICKTRUE_PRECISION

@@ -30,6 +30,7 @@ struct ImpactPoint {
   ImpactRow normal;
   ImpactRow tangent;
   double least_speed = 0;    // of the normal after the impact, m/s
+  double impulse_max = 0;    // of the normal, N s
   double tangent_speed = 0;  // of a conveyor, m/s
   double friction = 0;
 };

@@ -189,6 +189,7 @@ void make_joints(Model& model) {
   for (const Joint& joint : model.scene.joints) {
     const JointModel made = make_joint(model, joint);
     model.joints.push_back(made);
+    for_each_body(model, made, [&model](std::uint32_t id) { model.bodies[id].is_jointed = true; });
     for (const std::uint32_t id : {made.body_a, made.body_b})
       if (id != no_reference && id > model.last_joined) model.last_joined = id;
     if (joint.collide_connected || made.body_a == no_reference) continue;

@@ -81,6 +81,7 @@ struct BodyModel {
   Real extent = 0;  // distance of the farthest point from the centre of mass, m
   bool can_sleep = true;
   bool is_bullet = false;
+  bool is_jointed = false;        // some joint of the scene acts on it
   std::uint32_t first_shape = 0;  // in Model::body_shapes
   std::uint32_t shape_count = 0;  // children: one for each shape, for a chain one for each edge
 };

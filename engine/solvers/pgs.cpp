@@ -34,9 +34,9 @@ void solve_pgs(const Model& model, State& state, TickLists& tick, SolverWork& wo
     prepare_contacts(solved, work.contacts.colors, contacts);
     scheme.begin(solved, work.motion, dt);
     save_joint_velocities(solved, joints);
-    save_impact_velocities(solved, work.impacts);
+    begin_impacts(solved, tick.impacts, work.direct, work.impacts);
     scheme.predict(solved, work.motion, dt);
-    apply_impacts(solved, tick.impacts, work.motion.drift, work.impacts);
+    apply_impacts(solved, tick.impacts, work.motion.drift, work.direct, work.impacts);
     warm_start_joints(solved, joints);
     warm_start_gears(solved, gears);
     warm_start_mouse_joints(mouse_joints, work.bodies);

@@ -26,9 +26,9 @@ void solve_in_turn(SolvedSet& solved, TickLists& tick, SolverWork& work, State& 
     stop_jointed_contacts(solved, direct, contacts, jointed_impacts);
     save_joint_velocities(solved, joints);
     begin_direct_substep(solved, direct);
-    save_impact_velocities(solved, impacts);
+    begin_impacts(solved, tick.impacts, direct, impacts);
     scheme.predict(solved, motion, set.h);  // v += h a
-    apply_impacts(solved, tick.impacts, motion.drift, impacts);
+    apply_impacts(solved, tick.impacts, motion.drift, direct, impacts);
     begin_resting_impacts(solved, tick.resting_impacts, contacts);
     warm_start_joints(solved, joints);
     start_direct(solved, motion, direct);

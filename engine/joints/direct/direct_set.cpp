@@ -176,7 +176,7 @@ void find_direct_joints(const Model& model, const State& state, const TickLists&
   work.turn_count = 1;
   work.solves_joints = model.scene.settings.joints == JointSolverKind::direct && !state.joints.empty();
   if (state.joints.empty()) return work.components.clear();
-  if (!work.solves_joints && tick.contact_pairs.empty()) return;
+  if (!work.solves_joints && tick.contact_pairs.empty() && tick.impacts.empty()) return;
   work.components.follow(model, state, work.places);
   if (work.islands.size() < work.components.components().size())
     work.islands.resize(work.components.components().size());
@@ -262,14 +262,19 @@ void factor_for_impacts(const SolvedSet& solved, const DirectComponent& componen
   factor_rigid_rows(at.island);
 }
 
-void end_impacts_of(const DirectWorkspace& work, DirectSetIsland& at) {
-  if (work.solves_joints) end_rigid_rows(at.island);
+void end_impacts_of(const SolvedSet& solved, const DirectComponent& component, const DirectWorkspace& work,
+                    DirectSetIsland& at) {
+  if (!work.solves_joints) return;
+  end_rigid_rows(at.island);
+  load_poses(solved, component, at.island);
 }
 
-void project_for_impacts(const SolvedSet& solved, const DirectComponent& component, DirectSetIsland& at) {
+void project_for_impacts(const SolvedSet& solved, const DirectComponent& component, DirectSetIsland& at,
+                         std::span<Triple> velocities) {
   load_velocities(solved, component, at);
+  for (std::size_t i = 0; i < velocities.size(); ++i) at.island.bodies[i].velocity = velocities[i];
   project_velocities(at.island);
-  store_velocities_of(solved, component, at);
+  for (std::size_t i = 0; i < velocities.size(); ++i) velocities[i] = at.island.bodies[i].velocity;
 }
 
 void store_direct(const SolvedSet& solved, const DirectWorkspace& work, State& state) {

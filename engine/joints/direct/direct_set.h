@@ -105,11 +105,13 @@ void project_direct_again(const SolvedSet& solved, DirectWorkspace& work);
 /// is factored.
 void factor_for_impacts(const SolvedSet& solved, const DirectComponent& component, const DirectWorkspace& work,
                         DirectSetIsland& at);
-/// Brings the other rows back, if the joints are solved in this tick.
-void end_impacts_of(const DirectWorkspace& work, DirectSetIsland& at);
-/// Gives the bodies velocities that keep the rigid rows. Requires: factor_for_impacts, and the joints are not solved in
-/// this tick.
-void project_for_impacts(const SolvedSet& solved, const DirectComponent& component, DirectSetIsland& at);
+/// Loads the present poses and brings the other rows back, if the joints are solved in this tick.
+void end_impacts_of(const SolvedSet& solved, const DirectComponent& component, const DirectWorkspace& work,
+                    DirectSetIsland& at);
+/// Changes velocities so that they keep the rigid rows. `velocities`: [moving body]. Requires: factor_for_impacts, and
+/// the joints are not solved in this tick.
+void project_for_impacts(const SolvedSet& solved, const DirectComponent& component, DirectSetIsland& at,
+                         std::span<Triple> velocities);
 /// Stores the impulses in state.joints, as forces.
 void store_direct(const SolvedSet& solved, const DirectWorkspace& work, State& state);
 

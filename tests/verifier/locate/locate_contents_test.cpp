@@ -95,11 +95,12 @@ bool is_first_byte(char byte) {
   return (static_cast<unsigned char>(byte) & 0xc0) != 0x80;
 }
 
-/// Cuts at a character, changes one, adds some, or leaves it.
+/// Cuts at a character or inside of one, changes one, adds some, or leaves it.
 void change_text(Random& random, std::string& text) {
   std::size_t at = random.below(text.size() + 1);
+  const std::uint64_t what = random.below(6);
+  if (what == 5) text.resize(at);
   while (at < text.size() && !is_first_byte(text[at])) --at;
-  const std::uint64_t what = random.below(5);
   if (what == 0) text.resize(at);
   if (what == 1) text.insert(at, drawn_text(random, 3));
   if (what == 2) text += drawn_text(random, 60);

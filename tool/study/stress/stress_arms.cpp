@@ -62,6 +62,17 @@ void add_arm_cases(std::vector<StressCase>& cases) {
                       });
     };
     cases.push_back(std::move(bounces));
+    constexpr double fast = 12;  // rad/s
+    StressCase fast_bounces = make_case(
+        "arm_fast_" + name, what + " at 12 rad/s and hit a disc with restitution .8: speed then, over -9.6 rad/s",
+        "of 1", 0.98, 1.02, joint_methods());
+    fast_bounces.run = [boxes](const StressMethod& method, Precision precision) {
+      return run_case(with_method(arm(precision, boxes, fast, restitution), method), 0.15, {},
+                      [](const engine::Engine&, const Bodies&, const Bodies& end) {
+                        return -end[1].angular_velocity / (restitution * fast);
+                      });
+    };
+    cases.push_back(std::move(fast_bounces));
   }
 }
 
