@@ -262,7 +262,7 @@ void enter_islands(const SolvedSet& solved, DirectWorkspace& direct, ImpactWorks
   }
 }
 
-/// Gives the bodies of a pair their impulses. Returns the islands that these have moved, if any.
+/// Gives the bodies of a pair their impulses. Returns the islands that have new velocities, if any.
 ImpactEnds resolve(const SolvedSet& solved, DirectWorkspace& direct, ImpactWorkspace& work, const ImpactPair& pair) {
   const Model& model = solved.model;
   const State& state = solved.state;
@@ -299,7 +299,7 @@ ImpactEnds resolve(const SolvedSet& solved, DirectWorkspace& direct, ImpactWorks
   const Vec2 impulse = impulses.normal * pair.normal + impulses.tangent * tangent;
   change_velocity(path_a, pair.time, -model_a.inv_mass * impulse, -model_a.inv_inertia * cross(arm_a, impulse));
   change_velocity(path_b, pair.time, model_b.inv_mass * impulse, model_b.inv_inertia * cross(arm_b, impulse));
-  return {};
+  return impact.ends;
 }
 
 /// Starts the path of a body without impacts, from the integrator's prediction.
