@@ -174,8 +174,23 @@ TEST_CASE("a fast arm bounces off a disc as one body", "[engine][joints][arms][i
   const double share = joints == JointChoice::iterative ? 0.08 : 0.005;
   for (int i = 0; i < count; ++i)
     CHECK_THAT(engine->bodies()[i].angular_velocity, Catch::Matchers::WithinAbs(-restitution * turn, share * turn));
-  for (const JointGap& gap : joint_gaps(scene, engine->bodies()))
-    CHECK(gap.gap < (joints == JointChoice::iterative ? 0.03 : 1e-3));
+  // Direct joints meet their positions in the substep of a bounce. An arm that stops has later impacts as well.
+  const double gap_max = joints == JointChoice::iterative ? 0.03 : restitution > 0 ? 1e-5 : 1e-3;
+  for (const JointGap& gap : joint_gaps(scene, engine->bodies())) CHECK(gap.gap < gap_max);
+}
+
+TEST_CASE("a slow arm stops at a disc with any number of substeps", "[engine][joints][arms][impacts]") {
+  const Precision precision = GENERATE(Precision::f32, Precision::f64);
+  const bool is_direct = GENERATE(false, true);
+  const int substeps = GENERATE(4, 16, 64);
+  const int count = GENERATE(1, 2, 5);
+  CAPTURE(precision, is_direct, substeps, count);
+  Scene scene = hinged_rod(precision, count, 1, 0);
+  if (is_direct) scene.settings.joints = engine::JointSolverKind::direct;
+  scene.settings.substeps = substeps;
+  const auto engine = make_engine_or_fail(scene);
+  run_ticks(*engine, 60);
+  CHECK_THAT(engine->bodies()[0].angular_velocity, Catch::Matchers::WithinAbs(0, 0.005));
 }
 
 TEST_CASE("no arm passes through a disc", "[engine][joints][arms][impacts]") {
