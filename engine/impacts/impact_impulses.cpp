@@ -22,15 +22,22 @@ Impulses impulses_alone(const ImpactMobility& mobility, const ImpactSpeeds& spee
 }
 
 Impulses impulses_on_islands(const ImpactMobility& mobility, const ImpactSpeeds& speeds) {
-  constexpr int pass_count = 16;
-  Impulses stop;
-  if (!(speeds.closing > 0)) return stop;
-  for (int pass = 0; pass < pass_count; ++pass) {
-    stop.normal = larger((speeds.closing - mobility.coupling * stop.tangent) / mobility.normal, Real(0));
-    if (pass + 1 == pass_count || !(mobility.tangent > 0)) break;
-    const Real limit = speeds.friction * stop.normal;
-    const Real wanted = (-speeds.tangent - mobility.coupling * stop.normal) / mobility.tangent;
-    stop.tangent = smaller(larger(wanted, -limit), limit);
+  constexpr Real held_share = Real(1e-4);  // of the tangent's mobility: the normal then holds the tangent as well
+  if (!(speeds.closing > 0)) return {};
+  const Real per_normal = mobility.coupling / mobility.normal;
+  Impulses stop = {speeds.closing / mobility.normal, 0};
+  // Of a tangent impulse, while the normal impulse keeps the point stopped.
+  const Real tangent_mobility = mobility.tangent - per_normal * mobility.coupling;
+  if (tangent_mobility > held_share * mobility.tangent) {
+    const Real slip = speeds.tangent + mobility.coupling * stop.normal;
+    const Real stick = -slip / tangent_mobility;
+    const Real normal = stop.normal - per_normal * stick;
+    const Real friction = stick > 0 ? speeds.friction : -speeds.friction;
+    const Real sliding_mobility = mobility.normal + friction * mobility.coupling;
+    if (absolute(stick) <= speeds.friction * normal)
+      stop = {normal, stick};
+    else if (sliding_mobility > 0)
+      stop = {speeds.closing / sliding_mobility, friction * (speeds.closing / sliding_mobility)};
   }
   return {(1 + speeds.restitution) * stop.normal, (1 + speeds.restitution) * stop.tangent};
 }

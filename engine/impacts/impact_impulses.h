@@ -38,9 +38,10 @@ struct IslandImpact {
 
 /// The impulses on two bodies that nothing else holds.
 Impulses impulses_alone(const ImpactMobility& mobility, const ImpactSpeeds& speeds);
-/// The impulses on islands: those that stop the point within Coulomb's bound, times 1 + restitution. The normal speed
-/// follows Newton's law. The impact takes energy, since the impulses p that stop the point take at least p K p / 2 (K:
-/// `mobility`), and those of a bounce give back at most this much. Requires: mobility.normal > 0.
+/// The impulses on islands: those that stop the point, times 1 + restitution. Friction holds the tangent too, or slides
+/// at Coulomb's bound. The normal speed follows Newton's law. The impact takes energy: the impulses p that stop the
+/// point take at least p K p / 2 (K: `mobility`), and those of a bounce give back at most this much. Requires:
+/// mobility.normal > 0.
 Impulses impulses_on_islands(const ImpactMobility& mobility, const ImpactSpeeds& speeds);
 
 /// Whether the impact of a pair meets an island. `ends`: its bodies.

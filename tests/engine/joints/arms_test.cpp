@@ -169,14 +169,16 @@ TEST_CASE("a fast arm bounces off a disc as one body", "[engine][joints][arms][i
   choose_joints(scene, joints);
   scene.settings.locate_impacts = locates;
   const auto engine = make_engine_or_fail(scene);
-  run_ticks(*engine, static_cast<int>(std::lround(0.6 / turn * 60)) + 2);
+  // Direct joints meet their positions in the substep of a bounce. An arm that stops has later impacts as well.
+  const double gap_max = joints == JointChoice::iterative ? 0.03 : restitution > 0 ? 1e-5 : 1e-3;
+  for (int tick = static_cast<int>(std::lround(0.6 / turn * 60)) + 2; tick > 0; --tick) {
+    run_ticks(*engine, 1);
+    for (const JointGap& gap : joint_gaps(scene, engine->bodies())) CHECK(gap.gap < gap_max);
+  }
   // The hinge takes a part of the impulse, and the angular speed follows Newton's law. Iterative joints give.
   const double share = joints == JointChoice::iterative ? 0.08 : 0.005;
   for (int i = 0; i < count; ++i)
     CHECK_THAT(engine->bodies()[i].angular_velocity, Catch::Matchers::WithinAbs(-restitution * turn, share * turn));
-  // Direct joints meet their positions in the substep of a bounce. An arm that stops has later impacts as well.
-  const double gap_max = joints == JointChoice::iterative ? 0.03 : restitution > 0 ? 1e-5 : 1e-3;
-  for (const JointGap& gap : joint_gaps(scene, engine->bodies())) CHECK(gap.gap < gap_max);
 }
 
 TEST_CASE("a slow arm stops at a disc with any number of substeps", "[engine][joints][arms][impacts]") {
