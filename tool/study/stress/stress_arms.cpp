@@ -35,6 +35,24 @@ Scene arm(Precision precision, std::uint32_t boxes, double speed, double restitu
   return scene;
 }
 
+// `speed`, rad/s: high enough that the disc is hit above the threshold of restitution, 1 m/s. `seconds`: until after
+// the bounce.
+StressCase bounce_case(const std::string& name, const std::string& what, std::uint32_t boxes, int speed,
+                       double seconds) {
+  constexpr double restitution = 0.8;
+  StressCase bounces = make_case(
+      name,
+      what + " at " + std::to_string(speed) + " rad/s and hit a disc with restitution .8: speed then, over -.8 of that",
+      "of 1", 0.98, 1.02, joint_methods());
+  bounces.run = [boxes, speed, seconds](const StressMethod& method, Precision precision) {
+    return run_case(with_method(arm(precision, boxes, speed, restitution), method), seconds, {},
+                    [speed](const engine::Engine&, const Bodies&, const Bodies& end) {
+                      return -end[1].angular_velocity / (restitution * speed);
+                    });
+  };
+  return bounces;
+}
+
 }  // namespace
 
 void add_arm_cases(std::vector<StressCase>& cases) {
@@ -50,29 +68,8 @@ void add_arm_cases(std::vector<StressCase>& cases) {
           [](const engine::Engine&, const Bodies&, const Bodies& end) { return std::fabs(end[1].angular_velocity); });
     };
     cases.push_back(std::move(stops));
-    constexpr double speed = 4;  // rad/s: the disc is hit above the threshold of restitution, 1 m/s
-    constexpr double restitution = 0.8;
-    StressCase bounces = make_case("arm_bounces_" + name,
-                                   what + " at 4 rad/s and hit a disc with restitution .8: speed then, over -3.2 rad/s",
-                                   "of 1", 0.98, 1.02, joint_methods());
-    bounces.run = [boxes](const StressMethod& method, Precision precision) {
-      return run_case(with_method(arm(precision, boxes, speed, restitution), method), 0.5, {},
-                      [](const engine::Engine&, const Bodies&, const Bodies& end) {
-                        return -end[1].angular_velocity / (restitution * speed);
-                      });
-    };
-    cases.push_back(std::move(bounces));
-    constexpr double fast = 12;  // rad/s
-    StressCase fast_bounces = make_case(
-        "arm_fast_" + name, what + " at 12 rad/s and hit a disc with restitution .8: speed then, over -9.6 rad/s",
-        "of 1", 0.98, 1.02, joint_methods());
-    fast_bounces.run = [boxes](const StressMethod& method, Precision precision) {
-      return run_case(with_method(arm(precision, boxes, fast, restitution), method), 0.15, {},
-                      [](const engine::Engine&, const Bodies&, const Bodies& end) {
-                        return -end[1].angular_velocity / (restitution * fast);
-                      });
-    };
-    cases.push_back(std::move(fast_bounces));
+    cases.push_back(bounce_case("arm_bounces_" + name, what, boxes, 4, 0.5));
+    cases.push_back(bounce_case("arm_fast_" + name, what, boxes, 12, 0.15));
   }
 }
 
