@@ -37,6 +37,9 @@ struct ScalarInfo {
 };
 /// Null for a value that is no ScalarType.
 const ScalarInfo* scalar_info(ScalarType type);
+constexpr bool is_float(ScalarType type) {
+  return type == ScalarType::f32 || type == ScalarType::f64;
+}
 
 /// A reference column may hold this instead of an id: "refers to nothing".
 inline constexpr std::uint32_t no_reference = 0xffffffffu;

@@ -251,13 +251,14 @@ class ExponentTests {
     std::fill_n(mask, row_words_, 0u);
     std::fill_n(want, row_words_, 1u);
     for (const Column& column : table.columns) {
-      const ScalarInfo& info = *scalar_info(column.type);
-      if (!info.is_float) continue;
+      if (!is_float(column.type)) continue;
       if (column.offset % 4 != 0) return;
-      const std::size_t high_word = info.size == 8 && machine_is_little_endian ? 1 : 0;
+      const bool is_double = column.type == ScalarType::f64;
+      const std::size_t size_words = is_double ? 2 : 1;
+      const std::size_t high_word = is_double && machine_is_little_endian ? 1 : 0;
       for (std::size_t lane = 0; lane < column.lane_count; ++lane) {
-        const std::size_t word = (column.offset + lane * info.size) / 4 + high_word;
-        mask[word] = want[word] = info.size == 8 ? 0x7ff00000u : 0x7f800000u;
+        const std::size_t word = column.offset / 4 + lane * size_words + high_word;
+        mask[word] = want[word] = is_double ? 0x7ff00000u : 0x7f800000u;
       }
     }
     for (std::size_t word = row_words_; word < word_count(); ++word) {
@@ -309,8 +310,8 @@ class ExponentTests {
 
 /// Whether a value of the table may not be finite: true also where that has to be looked at lane by lane.
 bool is_suspect(const TableSchema& table, const TableRows& rows) {
-  const auto is_float = [](const Column& column) { return scalar_info(column.type)->is_float; };
-  if (rows.row_count == 0 || std::none_of(table.columns.begin(), table.columns.end(), is_float)) return false;
+  const auto has_float = [](const Column& column) { return is_float(column.type); };
+  if (rows.row_count == 0 || std::none_of(table.columns.begin(), table.columns.end(), has_float)) return false;
   const ExponentTests tests(table, rows.row_count);
   return !tests.exist() || tests.any_match(rows);
 }
