@@ -91,7 +91,7 @@ int record(const std::string& word, std::uint64_t tick_count, std::uint64_t flip
   if (!scene) return complain(scene.error().message);
   const auto made = engine::make_engine(*scene);
   if (!made) return complain(made.error().message);
-  verifier::TraceChoices choices;
+  tool::TraceChoices choices;
   if (detail == "full") {
     choices.detail = replay::Detail::full;
     choices.full_first = choices.full_last = flip_tick;
@@ -101,8 +101,8 @@ int record(const std::string& word, std::uint64_t tick_count, std::uint64_t flip
   replay::RecordOptions options;
   options.tick_count = tick_count;
   options.writer.overwrite = true;
-  const auto result = replay::record(simulation, inputs, path, verifier::make_trace_setup(**made, choices),
-                                     verifier::make_build_facts(), options);
+  const auto result = replay::record(simulation, inputs, path, tool::make_trace_setup(**made, choices),
+                                     tool::make_build_facts(), options);
   if (!result) return complain(result.error().message);
   std::printf("recorded %s  %llu ticks, %zu bodies, %llu bytes, %.4f ms/tick\n", path.c_str(),
               static_cast<unsigned long long>(result->tick_count), (*made)->bodies().size(),
@@ -116,7 +116,7 @@ int find(const std::string& path, unsigned thread_count) {
   auto reader = replay::TraceReader::open(path);
   if (!reader) return complain(reader.error().message);
   verifier::VerifyOptions options;
-  options.simulation = verifier::find_simulation(reader->setup().simulation);
+  options.simulation = tool::find_simulation(reader->setup().simulation);
   options.thread_count = thread_count;
   options.search_single_bit = true;
   options.reopen = [&]() -> std::unique_ptr<verifier::TraceSource> {

@@ -56,8 +56,8 @@ struct BenchOptions {
   unsigned thread_count = 1;
   std::string pipeline = "composed";
   std::string peer;
-  int velocity_iterations = verifier::Box2dOptions{}.velocity_iterations;
-  int position_iterations = verifier::Box2dOptions{}.position_iterations;
+  int velocity_iterations = tool::Box2dOptions{}.velocity_iterations;
+  int position_iterations = tool::Box2dOptions{}.position_iterations;
   bool stages = false;
   bool json = false;
 };
@@ -146,8 +146,8 @@ engine::EngineOptions engine_options(const BenchOptions& options) {
   return result;
 }
 
-verifier::Box2dOptions peer_options(const BenchOptions& options) {
-  verifier::Box2dOptions result;
+tool::Box2dOptions peer_options(const BenchOptions& options) {
+  tool::Box2dOptions result;
   result.velocity_iterations = options.velocity_iterations;
   result.position_iterations = options.position_iterations;
   result.sleep = true;
@@ -180,7 +180,7 @@ Result<std::vector<StageTime>> measure_stages(const engine::Scene& scene, const 
 
 /// The opponent that takes turns with our engine.
 struct Peer {
-  std::unique_ptr<verifier::Box2dPeer> box2d;
+  std::unique_ptr<tool::Box2dPeer> box2d;
   std::unique_ptr<engine::Engine> one_thread;
   TickInput input;
 
@@ -205,7 +205,7 @@ Result<Peer> make_peer(const engine::Scene& scene, const BenchOptions& options) 
     if (!made) return made.error();
     peer.one_thread = std::move(*made);
   } else if (!options.peer.empty()) {
-    auto made = verifier::make_box2d_peer(scene, peer_options(options));
+    auto made = tool::make_box2d_peer(scene, peer_options(options));
     if (!made) return made.error();
     peer.box2d = std::move(*made);
   }
@@ -304,7 +304,7 @@ Json report_json(const engine::Scene& scene, const BenchOptions& options, const 
     object["ratio"] = measured.peer.median_ms / measured.ours.median_ms;
   } else {
     object["peer"] = {{"name", "Box2D"},
-                      {"version", verifier::box2d_version()},
+                      {"version", tool::box2d_version()},
                       {"settings", peer_settings(scene, options)},
                       {"ms_per_tick", times_json(measured.peer)},
                       {"contacts", measured.peer_contact_count}};
@@ -348,9 +348,9 @@ std::string report_text(const engine::Scene& scene, const BenchOptions& options,
     text += fmt::format("  {:.2f} times as fast as one thread (least times: {:.2f})\n",
                         measured.peer.median_ms / measured.ours.median_ms, measured.peer.min_ms / measured.ours.min_ms);
   } else if (!options.peer.empty()) {
-    text += line("Box2D " + verifier::box2d_version(), measured.peer);
+    text += line("Box2D " + tool::box2d_version(), measured.peer);
     text += fmt::format("  {:.2f} times as fast as Box2D {} ({})\n", measured.peer.median_ms / measured.ours.median_ms,
-                        verifier::box2d_version(), peer_settings(scene, options));
+                        tool::box2d_version(), peer_settings(scene, options));
   }
   return text;
 }

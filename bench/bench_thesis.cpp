@@ -29,7 +29,7 @@ namespace {
 
 using engine::IntegratorKind;
 using engine::SolverKind;
-using verifier::TextTable;
+using tool::TextTable;
 
 constexpr int repeat_count = 3;
 constexpr int fixed_count = 5;  // disc, block, floor and two walls come first
@@ -98,10 +98,10 @@ Result<Timing> time_of(const engine::Scene& scene, int warm_up, int tick_count) 
     const TickInput input{scene.settings.dt, {}};
     for (int i = 0; i < warm_up; ++i)
       if (const Status did = engine.step(input, nullptr); !did) return did.error();
-    const double start = verifier::computed_s();
+    const double start = tool::computed_s();
     for (int i = 0; i < tick_count; ++i)
       if (const Status did = engine.step(input, nullptr); !did) return did.error();
-    const double ms = (verifier::computed_s() - start) * 1e3 / tick_count;
+    const double ms = (tool::computed_s() - start) * 1e3 / tick_count;
     timing.ms = repeat == 0 ? ms : std::min(timing.ms, ms);
     if (repeat + 1 == repeat_count) timing.contact_count = engine.contacts().size();
     timing.hash = root_hash(engine.state());
@@ -120,7 +120,7 @@ std::string hash_text(const Result<Timing>& timing) {
 // ---- 3.1: shapes and integrators ----
 
 Status performance() {
-  TextTable table(
+  tool::TextTable table(
       {"bodies", "shapes", "integrator", "thesis ms", "impulse ms", "tgs_soft ms", "touching", "impulse", "tgs_soft"},
       3);
   for (const int count : {150, 1000, 10000}) {
@@ -154,7 +154,7 @@ Status broad_phase() {
   std::vector<std::string> head{"polygons", "thesis off", "thesis on"};
   for (const auto& info : engine::broad_phases) head.emplace_back(info.name);
   head.emplace_back("impulse");
-  TextTable table(std::move(head), 0);
+  tool::TextTable table(std::move(head), 0);
   bool all_same = true;
   for (const int count : {60, 80, 100, 200, 1000, 10000}) {
     const auto known =
@@ -205,9 +205,9 @@ Result<Run> run_for(const engine::Scene& scene, double seconds, std::uint64_t se
     for (const double dt : *dts)
       if (const Status did = engine.step(TickInput{dt, {}}, nullptr); !did) return did.error();
   } else {
-    auto frames = verifier::open_host("jitter_60", seed);
+    auto frames = tool::open_host("jitter_60", seed);
     if (!frames) return frames.error();
-    verifier::ClockedInputs inputs(engine, std::make_unique<replay::NoInputs>(scene.settings.dt), std::move(*frames));
+    tool::ClockedInputs inputs(engine, std::make_unique<replay::NoInputs>(scene.settings.dt), std::move(*frames));
     for (std::uint64_t tick = 0; engine.time_s() < seconds; ++tick) {
       const auto input = inputs.next(tick);
       if (!input) return input.error();
@@ -231,7 +231,7 @@ double farthest_px(const Run& a, const Run& b) {
 }
 
 Status determinism() {
-  TextTable table({"clock", "seconds", "thesis px", "impulse px", "tgs_soft px", "replayed"}, 1);
+  tool::TextTable table({"clock", "seconds", "thesis px", "impulse px", "tgs_soft px", "replayed"}, 1);
   for (const auto& clock : engine::clock_kinds)
     for (const ThesisClock& known : clocks) {
       std::vector<std::string> row{std::string(clock.name), fmt::format("{:g}", known.seconds)};

@@ -86,10 +86,10 @@ class ScratchFile {
 /// `is_third`: of format version 3, as a trace with notes is.
 replay::TraceSetup setup_of(const engine::Engine& engine, replay::Detail detail, std::uint32_t checkpoint_interval,
                             bool is_third) {
-  verifier::TraceChoices made;
+  tool::TraceChoices made;
   made.detail = detail;
   made.checkpoint_interval = checkpoint_interval;
-  replay::TraceSetup setup = verifier::make_trace_setup(engine, made);
+  replay::TraceSetup setup = tool::make_trace_setup(engine, made);
   if (is_third) setup.features = static_cast<std::uint32_t>(replay::Feature::notes);
   return setup;
 }
@@ -106,7 +106,7 @@ class Variant {
     writer.overwrite = true;
     writer.allow_third = is_third;
     writer_.emplace(*replay::TraceWriter::create(file_->path(), setup_of(*engine_, *detail, 0, is_third),
-                                                 verifier::make_build_facts(), writer));
+                                                 tool::make_build_facts(), writer));
     TICKTRUE_ASSERT(writer_->checkpoint(engine_->state(), root_hash(engine_->state())));
   }
 
@@ -198,7 +198,7 @@ std::uint64_t trace_size(const engine::Scene& scene, replay::Detail detail, std:
   options.writer.overwrite = true;
   options.writer.allow_third = is_third;
   const auto result = replay::record(*engine, inputs, path, setup_of(*engine, detail, checkpoint_interval, is_third),
-                                     verifier::make_build_facts(), options);
+                                     tool::make_build_facts(), options);
   TICKTRUE_ASSERT(result);
   return result->size;
 }
@@ -216,7 +216,7 @@ void measure_sizes(const engine::Scene& scene, const BenchOptions& options, Meas
   trace_size(scene, replay::Detail::root, many, file.path(), static_cast<std::uint32_t>(many - 1), options.is_third);
   auto reader = replay::TraceReader::open(file.path());
   TICKTRUE_ASSERT(reader);
-  const verifier::TraceSummary summary = verifier::summarize(*reader, {});
+  const tool::TraceSummary summary = tool::summarize(*reader, {});
   measured.checkpoint_bytes =
       static_cast<double>(summary.checkpoints.back().stored_size) / static_cast<double>(measured.body_count);
 }

@@ -69,11 +69,11 @@ if(DEFINED OUT)
   write_changed(${OUT} "// Made by cmake/engine_digest.cmake: the units of this build, each with the hashes of its text and of its flags.
 #include \"tool/corpus/engine_digest.h\"
 
-namespace ticktrue::verifier {
+namespace ticktrue::tool {
 extern const char* const ${LINES};
 const char* const ${LINES} =
     \"\"\n${literals}    ;
-}  // namespace ticktrue::verifier
+}  // namespace ticktrue::tool
 ")
   return()
 endif()

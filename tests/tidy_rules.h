@@ -14,6 +14,7 @@ struct Ban {
   std::string_view name;
   bool call;  // only counts as a function call
   std::string_view use;
+  std::string_view allowed_in = {};  // comma-separated path prefixes
 };
 
 inline constexpr std::string_view own_functions = "engine/math/trig.h or engine/math/exponential.h";
@@ -84,10 +85,28 @@ inline constexpr Ban bans[] = {
     {"", "std::format", false, "fmt (g++ 12)"},
     {"", "std::expected", false, "Result of base/result.h"},
     {"", "std::experimental", false, "a plain loop over lanes (its masks are miscompiled for AVX-512)"},
+    {"replay/,base/,engine/,verifier/,tool/,capi/", "std::thread", false, "base/parallel/",
+     "base/parallel/,verifier/store/claims.cpp,tool/experiment/shake/terminal"},
+    {"replay/,base/,engine/,verifier/,tool/,capi/", "std::async", true, "base/parallel/"},
+    {"replay/,base/,engine/,verifier/,tool/,capi/", "::fork", true, "ChildProcess of verifier/runs/child_process.h",
+     "verifier/runs/,tool/experiment/shake/facts.cpp,capi/unsaved/probe.cpp"},
+    {"replay/,base/,engine/,verifier/,tool/,capi/", "::popen", true, "ChildProcess of verifier/runs/child_process.h",
+     "tool/study/table.cpp"},
     {"base/,engine/,replay/,verifier/,tool/", "assert", true, "TICKTRUE_ASSERT"},
     {"base/,engine/,replay/,verifier/,tool/", "std::endl", false, "a line break"},
     {"base/,engine/,replay/,verifier/,tool/", "const_cast", false, "a type that says who may write"},
 };
+
+/// A room of the top level, and the namespace that its files alone open.
+struct RoomNamespace {
+  std::string_view folder;
+  std::string_view name;
+};
+inline constexpr RoomNamespace room_namespaces[] = {{"engine/", "ticktrue::engine"},
+                                                    {"replay/", "ticktrue::replay"},
+                                                    {"verifier/", "ticktrue::verifier"},
+                                                    {"capi/", "ticktrue::capi"},
+                                                    {"shim/", "ticktrue::shim"}};
 
 struct HeaderBan {
   std::string_view where;       // comma-separated path prefixes; empty: everywhere
@@ -137,7 +156,7 @@ inline constexpr HeaderBan header_bans[] = {
 /// folders below a listed room.
 struct Room {
   std::string_view folder;
-  std::string_view may_include;  // comma-separated rooms; "core", "engine_face", ... stand for lists below
+  std::string_view may_include;  // comma-separated rooms; "core", "before_islands", ... stand for lists below
 };
 // The face and the model of the engine name the state rows and workspaces of the engine's rooms.
 inline constexpr std::string_view core =

@@ -45,7 +45,8 @@ void check_first_lines(const SourceFile& file, const std::vector<std::string>& l
 
 void check_names(const SourceFile& file, std::string_view line, std::size_t number, Findings& findings) {
   for (const Ban& ban : bans)
-    if ((ban.where.empty() || is_under(file.path, ban.where)) && uses(line, ban.name, ban.call))
+    if ((ban.where.empty() || is_under(file.path, ban.where)) && !is_under(file.path, ban.allowed_in) &&
+        uses(line, ban.name, ban.call))
       report(findings, file, number, ban.name, ban.use);
   if (starts_with(file.path, "engine/"))
     for (const std::string_view name : libm)
@@ -56,6 +57,20 @@ void check_names(const SourceFile& file, std::string_view line, std::size_t numb
         }
   if (is_header(file.path) && uses(line, "using namespace", false))
     report(findings, file, number, "using namespace in a header", "the qualified name");
+}
+
+/// The namespaces of the rooms: a file of such a room opens no other, and no other file opens it.
+void check_namespace(const SourceFile& file, std::string_view line, std::size_t number, Findings& findings) {
+  constexpr std::string_view begin = "namespace ticktrue";
+  if (!starts_with(line, begin) || !contains(line, "{")) return;
+  for (const RoomNamespace& room : room_namespaces) {
+    const std::string_view opened = line.substr(std::string_view("namespace ").size());
+    const bool opens =
+        starts_with(opened, room.name) && (opened[room.name.size()] == ' ' || opened[room.name.size()] == ':');
+    if (opens != starts_with(file.path, room.folder))
+      report(findings, file, number, "the namespace in \"" + std::string(line) + "\"",
+             "that of the room (room_namespaces in tests/tidy_rules.h)");
+  }
 }
 
 /// Containers ordered by address: map<X*, ..>, set<X*>, less<X*>.
@@ -133,6 +148,7 @@ Findings check_file(const SourceFile& file) {
     }
     const bool has_total_order = i > 0 && contains(lines[i - 1], "// total order: ");
     if (!has_total_order || !contains(code[i], "std::sort")) check_names(file, code[i], i + 1, findings);
+    check_namespace(file, code[i], i + 1, findings);
     if (starts_with(file.path, "engine/")) check_pointer_keys(file, code[i], i + 1, findings);
     check_compiler_words(file, code[i], i + 1, findings);
   }
@@ -216,7 +232,18 @@ TEST_CASE("every banned name fires once, at its line, with what to use", "[tidy]
     REQUIRE(findings.size() == 1);
     CHECK(findings[0] == path + ":4: error: " + std::string(ban.name) + " is banned, use " + std::string(ban.use));
     if (!ban.where.empty()) CHECK(findings_in("tests/sample.cpp", code).empty());
+    if (!ban.allowed_in.empty())
+      CHECK(findings_in(std::string(ban.allowed_in.substr(0, ban.allowed_in.find(','))) + ".cpp", code).empty());
   }
+}
+
+TEST_CASE("a file that opens the namespace of another room fires", "[tidy][self]") {
+  CHECK(findings_in("tool/study/x.cpp", "namespace ticktrue::verifier {").size() == 1);
+  CHECK(findings_in("verifier/report/x.cpp", "namespace ticktrue::tool {").size() == 1);
+  CHECK(findings_in("verifier/report/x.cpp", "namespace ticktrue::replay {").size() == 2);
+  CHECK(findings_in("verifier/report/x.cpp", "namespace ticktrue::verifier {").empty());
+  CHECK(findings_in("engine/x.cpp", "namespace ticktrue::engine::TICKTRUE_PRECISION {").empty());
+  CHECK(findings_in("tool/study/x.cpp", "namespace ticktrue::tool {").empty());
 }
 
 TEST_CASE("every libm function fires in the engine, in each spelling", "[tidy][self]") {

@@ -39,13 +39,13 @@ void record_with_checkpoints(const std::string& from, const std::string& to, std
   const auto scene = engine::decode_scene(reader->setup().setup);
   REQUIRE(scene.has_value());
   const auto engine = make_engine_or_fail(*scene);
-  verifier::TraceChoices choices;
+  tool::TraceChoices choices;
   choices.checkpoint_interval = 0;
   replay::WriterOptions options;
   options.overwrite = true;
   options.sync = false;
-  auto writer = replay::TraceWriter::create(to, verifier::make_trace_setup(*engine, choices),
-                                            verifier::make_build_facts(), options);
+  auto writer =
+      replay::TraceWriter::create(to, tool::make_trace_setup(*engine, choices), tool::make_build_facts(), options);
   REQUIRE(writer.has_value());
   const std::uint64_t end = reader->tick_count_hint().value_or(0);
   const std::set<std::uint64_t> saved = random_ticks(end, checkpoint_count, random);

@@ -108,7 +108,7 @@ Problem damped_oscillator() {
 /// theta'' = -10 sin theta from 60 degrees.
 Problem pendulum() {
   Problem problem{"pendulum", 2, 240, one_disc({0, 0}, {0, 0}), [](double t) {
-                    return Point{verifier::pendulum_angle(engine::pi / 3, std::sqrt(10.0), t), 0};
+                    return Point{tool::pendulum_angle(engine::pi / 3, std::sqrt(10.0), t), 0};
                   }};
   problem.scene.bodies[0].angle = engine::pi / 3;
   problem.is_pendulum = true;

@@ -230,12 +230,12 @@ TEST_CASE("a disc slips down a slope if its friction is below a third of the tan
 }
 
 TEST_CASE("a chain of twenty links between two pegs hangs as its equations say", "[engine][joints][known_answers]") {
-  const double pull = verifier::catenary_pull;
+  const double pull = tool::catenary_pull;
   const auto engine = make_engine_or_fail(hanging_chain());
   run_ticks(*engine, 1800);
   const std::vector<BodyReport> bodies = engine->bodies();
   const BodyReport& link = bodies[10];  // its right end is the lowest point
-  CHECK(-(link.center.y + 0.3 * std::sin(link.angle)) == Approx(verifier::catenary_sag).epsilon(0.001));
+  CHECK(-(link.center.y + 0.3 * std::sin(link.angle)) == Approx(tool::catenary_sag).epsilon(0.001));
   CHECK(link.center.x + 0.3 * std::cos(link.angle) == Approx(5).epsilon(0.001));
   for (const std::size_t end : {std::size_t{0}, std::size_t{20}}) {
     CAPTURE(end);

@@ -6,7 +6,7 @@
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   using namespace ticktrue;
   const fuzz::MemoryFile file({data, size});
-  auto frames = verifier::open_host(file.path(), 1);
+  auto frames = tool::open_host(file.path(), 1);
   if (!frames) {
     fuzz::require_message(frames.error());
     return 0;

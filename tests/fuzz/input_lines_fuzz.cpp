@@ -9,9 +9,9 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   using namespace ticktrue;
   static const engine::Scene scene = *engine::make_builtin_scene("thesis");
   const fuzz::MemoryFile file({data, size});
-  const auto summary = verifier::check_inputs(scene, file.path(), {});
+  const auto summary = tool::check_inputs(scene, file.path(), {});
   if (!summary) fuzz::require_message(summary.error());
-  auto source = verifier::JsonLinesInputs::open(scene, file.path(), {});
+  auto source = tool::JsonLinesInputs::open(scene, file.path(), {});
   fuzz::require(source.has_value(), "a file opens");
   bool has_failed = false;
   for (std::uint64_t tick = 0; tick < 200; ++tick) {

@@ -7,9 +7,9 @@
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   using namespace ticktrue;
   static const engine::Scene scene = *engine::make_builtin_scene("thesis");
-  verifier::MouseImportOptions options;
+  tool::MouseImportOptions options;
   options.right_presses = size % 2 == 1;
-  const auto inputs = verifier::import_mouse(fuzz::text_of({data, size}), "s.csv", scene, options);
+  const auto inputs = tool::import_mouse(fuzz::text_of({data, size}), "s.csv", scene, options);
   if (!inputs) {
     fuzz::require_message(inputs.error());
     return 0;

@@ -5,12 +5,12 @@
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   using namespace ticktrue;
-  const auto import = verifier::import_rube(fuzz::text_of({data, size}), "drawn.json", "drawn");
+  const auto import = tool::import_rube(fuzz::text_of({data, size}), "drawn.json", "drawn");
   if (!import) {
     fuzz::require_message(import.error());
     return 0;
   }
-  fuzz::require(import->notes.size() <= verifier::rube_note_count_max, "notes are bounded");
+  fuzz::require(import->notes.size() <= tool::rube_note_count_max, "notes are bounded");
   const Status valid = engine::check_scene(import->scene, "drawn.json");
   if (!valid) {
     fuzz::require_message(valid.error());

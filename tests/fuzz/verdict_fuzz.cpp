@@ -36,8 +36,8 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   if (const auto row = verifier::decode_history_row(bytes)) fuzz::require(row->seconds >= 0, "work takes time");
   constexpr std::uint32_t shard_count = 3;
   constexpr std::size_t trace_count = 4;
-  if (const auto plan = verifier::decode_plan(bytes, trace_count, shard_count))
-    fuzz::require(verifier::encode_plan(*plan) == bytes, "a plan is written as it was read");
+  if (const auto plan = tool::decode_plan(bytes, trace_count, shard_count))
+    fuzz::require(tool::encode_plan(*plan) == bytes, "a plan is written as it was read");
   // The last eight bytes of a seed are its checksum.
   constexpr std::size_t checksum_size = 8;
   if (size < checksum_size) return 0;

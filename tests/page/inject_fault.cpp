@@ -32,14 +32,14 @@ int main(int argc, char** argv) {
   if (argc != 7) return fail("usage: inject_fault IN.ttr OUT.ttr TICK BODY BIT root|cells|full:A..B");
   auto reader = replay::TraceReader::open(argv[1]);
   if (!reader) return fail(reader.error().message);
-  const auto scene = verifier::scene_of(reader->setup());
+  const auto scene = tool::scene_of(reader->setup());
   if (!scene) return fail(scene.error().message);
   const auto made = engine::make_engine(*scene);
   if (!made) return fail(made.error().message);
   const Fault fault{std::strtoull(argv[3], nullptr, 10), std::strtoull(argv[4], nullptr, 10),
                     static_cast<unsigned>(std::strtoul(argv[5], nullptr, 10))};
 
-  verifier::TraceChoices choices;
+  tool::TraceChoices choices;
   choices.checkpoint_interval = reader->setup().checkpoint_interval;
   const std::string detail = argv[6];
   if (detail == "cells") choices.detail = replay::Detail::cells;
@@ -48,11 +48,11 @@ int main(int argc, char** argv) {
     choices.full_first = std::strtoull(detail.c_str() + 5, nullptr, 10);
     choices.full_last = std::strtoull(detail.c_str() + detail.find("..") + 2, nullptr, 10);
   }
-  const replay::TraceSetup setup = verifier::make_trace_setup(**made, choices);
+  const replay::TraceSetup setup = tool::make_trace_setup(**made, choices);
   FaultyEngine faulty(**made, fault);
   verifier::TraceInputs inputs(std::move(*reader));
   replay::RecordOptions options;
   options.writer.sync = false;
-  const auto recorded = replay::record(faulty, inputs, argv[2], setup, verifier::make_build_facts(), options);
+  const auto recorded = replay::record(faulty, inputs, argv[2], setup, tool::make_build_facts(), options);
   return recorded ? 0 : fail(recorded.error().message);
 }

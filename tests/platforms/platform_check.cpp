@@ -65,8 +65,8 @@ int record(const Words& words) {
   if (!made) return complain(made.error());
   std::unique_ptr<replay::InputSource> source = std::make_unique<replay::NoInputs>(scene->settings.dt);
   if (inputs != "-") {
-    if (const auto summary = verifier::check_inputs(*scene, inputs, {}); !summary) return complain(summary.error());
-    auto lines = verifier::JsonLinesInputs::open(*scene, inputs, {});
+    if (const auto summary = tool::check_inputs(*scene, inputs, {}); !summary) return complain(summary.error());
+    auto lines = tool::JsonLinesInputs::open(*scene, inputs, {});
     if (!lines) return complain(lines.error());
     source = std::move(*lines);
   }
@@ -74,8 +74,8 @@ int record(const Words& words) {
   options.tick_count = std::strtoull(words[2].c_str(), nullptr, 10);
   options.writer.overwrite = true;
   options.writer.compress = false;
-  const replay::TraceSetup setup = verifier::make_trace_setup(**made, {replay::Detail::full, 90, 110, 30});
-  const auto result = replay::record(**made, *source, output, setup, verifier::make_build_facts(), options);
+  const replay::TraceSetup setup = tool::make_trace_setup(**made, {replay::Detail::full, 90, 110, 30});
+  const auto result = replay::record(**made, *source, output, setup, tool::make_build_facts(), options);
   if (!result) return complain(result.error());
   std::printf("{\n  \"ticks\": %llu,\n  \"note\": \"%s\",\n  \"hash\": \"%s\"\n}\n",
               static_cast<unsigned long long>(result->tick_count), result->note.c_str(),
@@ -111,12 +111,12 @@ int diff(const Words& words) {
 /// Equals `ticktrue env --check --json`, for the fields that ./dev platforms reads.
 int env(const Words&) {
   const BuildInfo& build = build_info();
-  const verifier::FloatEnvironment floats = verifier::probe_float_environment();
+  const tool::FloatEnvironment floats = tool::probe_float_environment();
   std::printf("{\n  \"compiler\": \"%s\",\n  \"target\": \"%s\",\n  \"probe\": [\n", build.compiler.c_str(),
               build.target.c_str());
-  bool right = verifier::follows_rules(floats);
+  bool right = tool::follows_rules(floats);
   const char* comma = "";
-  for (const verifier::ProbePart& part : verifier::probe_arithmetic()) {
+  for (const tool::ProbePart& part : tool::probe_arithmetic()) {
     std::printf("%s    {\n      \"part\": \"%s\",\n      \"digest\": \"%s\",\n      \"digest_expected\": \"%s\"\n    }",
                 comma, std::string(part.name).c_str(), hex64(part.digest).c_str(), hex64(part.expected).c_str());
     comma = ",\n";

@@ -12,7 +12,7 @@ namespace ticktrue::test {
 
 /// A build without Box2D has no peer. Tests that need a peer are then skipped.
 inline bool has_box2d() {
-  return !verifier::box2d_version().empty();
+  return !tool::box2d_version().empty();
 }
 
 inline std::vector<Point> regular_polygon(int corner_count, double radius) {

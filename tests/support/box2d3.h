@@ -37,9 +37,9 @@ class Variable {
 inline bool has_box2d3() {
   namespace fs = std::filesystem;
   const fs::path installed = fs::path(TICKTRUE_SOURCE_DIR) / "build" / "box2d3";
-  if (std::getenv(verifier::box2d3_variable) == nullptr && fs::exists(installed / "node_modules" / "box2d3-wasm"))
-    ::setenv(verifier::box2d3_variable, installed.c_str(), 1);
-  return verifier::box2d3_version().has_value();
+  if (std::getenv(tool::box2d3_variable) == nullptr && fs::exists(installed / "node_modules" / "box2d3-wasm"))
+    ::setenv(tool::box2d3_variable, installed.c_str(), 1);
+  return tool::box2d3_version().has_value();
 }
 
 }  // namespace ticktrue::test

@@ -17,7 +17,7 @@ namespace {
 
 // The error message; empty without an error.
 std::string refusal_of(const Scene& scene) {
-  const auto peer = verifier::make_box2d_peer(scene);
+  const auto peer = tool::make_box2d_peer(scene);
   if (peer) return {};
   CHECK(peer.error().code == ErrorCode::unsupported);
   return peer.error().message;
@@ -49,7 +49,7 @@ TEST_CASE("the peer falls as semi-implicit Euler does and has our masses", "[ver
   Scene scene = empty_scene();
   scene.bodies.push_back(body_of(polygon_shape({{0, 0}, {3, 0}, {0, 3}}), {2, 50}));  // centre of mass at (1, 1)
   scene.bodies[0].mass = engine::ExplicitMass{7, 5.0, Point{0.5, 0.25}};
-  auto peer = verifier::make_box2d_peer(scene);
+  auto peer = tool::make_box2d_peer(scene);
   REQUIRE(peer);
   for (int i = 0; i < 60; ++i) (*peer)->step();
   const auto bodies = (*peer)->bodies();
@@ -67,7 +67,7 @@ TEST_CASE("the peer mixes materials by the rule of the scene", "[verifier][cross
     Scene scene = slide_scene(10, 0.8);
     scene.bodies[0].shapes[0].material.friction = 0.2;
     scene.settings.friction_mix = rule;
-    auto peer = verifier::make_box2d_peer(scene);
+    auto peer = tool::make_box2d_peer(scene);
     REQUIRE(peer);
     for (int i = 0; i < 400; ++i) (*peer)->step();
     return (*peer)->bodies()[1].center.x;
@@ -111,7 +111,7 @@ TEST_CASE("chains, segments, filters, sensors and conveyors mean the same to the
     Scene scene = empty_scene();
     scene.bodies = {body_of(line, {0, 0}, BodyType::static_body), unit_box({-1, 0.6})};
     change(scene);
-    auto peer = verifier::make_box2d_peer(scene);
+    auto peer = tool::make_box2d_peer(scene);
     REQUIRE(peer);
     const auto own = engine::make_engine(scene);
     REQUIRE(own);
@@ -148,7 +148,7 @@ TEST_CASE("the peer scales worlds of large bodies and gives their own units back
     body.shapes[0].half_size = {50 * body.shapes[0].half_size.x, 50 * body.shapes[0].half_size.y};
   }
   scene.gravity = {0, -500};
-  auto peer = verifier::make_box2d_peer(scene);
+  auto peer = tool::make_box2d_peer(scene);
   REQUIRE(peer);
   CHECK((*peer)->length_scale() == 1.0 / 64);
   for (int i = 0; i < 120; ++i) (*peer)->step();
@@ -166,7 +166,7 @@ TEST_CASE("the peer removes what leaves the bounds and tells when Box2D cuts a m
   scene.bodies = {unit_box({0, 0}), unit_box({10, 0})};
   scene.bodies[1].velocity.x = 130;  // more than 2 m per step
   scene.bounds = engine::Bounds{{-5, -5}, {100, 5}};
-  auto peer = verifier::make_box2d_peer(scene);
+  auto peer = tool::make_box2d_peer(scene);
   REQUIRE(peer);
   (*peer)->step();
   CHECK((*peer)->clamped_tick() == 1);
@@ -184,9 +184,9 @@ struct Both {
 Both run_both(Scene scene, double seconds) {
   constexpr int step_count = 64;
   scene.settings.substeps = step_count;
-  verifier::Box2dOptions options;
+  tool::Box2dOptions options;
   options.steps_per_tick = step_count;
-  auto peer = verifier::make_box2d_peer(scene, options);
+  auto peer = tool::make_box2d_peer(scene, options);
   INFO((peer ? "" : peer.error().message));
   REQUIRE(peer);
   const auto own = engine::make_engine(scene);
@@ -392,7 +392,7 @@ TEST_CASE("the peer refuses gears whose joints share a moving body", "[verifier]
   gear.kind = JointKind::gear;
   gear.joint_b = 1;
   scene.joints.push_back(gear);
-  const auto peer = verifier::make_box2d_peer(scene, {});
+  const auto peer = tool::make_box2d_peer(scene, {});
   REQUIRE_FALSE(peer.has_value());
   CHECK(peer.error().message.find("/joints/2: Box2D 2.4.1 has no gears whose joints share a moving body") !=
         std::string::npos);

@@ -25,7 +25,7 @@ using engine::ClockReport;
 using engine::ClockSettings;
 using engine::IntegratorKind;
 using engine::TickClock;
-using verifier::ClockedInputs;
+using tool::ClockedInputs;
 
 /// A file in the temporary directory, removed with this object.
 struct TemporaryFile {
@@ -45,7 +45,7 @@ Scene clocked(Scene scene, ClockKind kind) {
 }
 
 std::unique_ptr<ClockedInputs> inputs_for(engine::Engine& engine, const std::string& host, std::uint64_t seed) {
-  auto frames = verifier::open_host(host, seed);
+  auto frames = tool::open_host(host, seed);
   INFO((frames ? "" : frames.error().message));
   REQUIRE(frames.has_value());
   return std::make_unique<ClockedInputs>(engine, std::make_unique<replay::NoInputs>(engine.scene().settings.dt),
@@ -80,10 +80,10 @@ Recorded record_clocked(const Scene& scene, const std::string& host, std::uint64
   replay::RecordOptions options;
   options.tick_count = tick_count;
   options.writer.overwrite = true;
-  verifier::TraceChoices choices;
+  tool::TraceChoices choices;
   choices.checkpoint_interval = 50;
-  const auto result = replay::record(*engine, *inputs, file.path, verifier::make_trace_setup(*engine, choices),
-                                     verifier::make_build_facts(), options);
+  const auto result = replay::record(*engine, *inputs, file.path, tool::make_trace_setup(*engine, choices),
+                                     tool::make_build_facts(), options);
   INFO((result ? "" : result.error().message));
   REQUIRE(result.has_value());
   auto reader = replay::TraceReader::open(file.path);
@@ -129,8 +129,8 @@ TEST_CASE("a fixed clock gives the same states at equal simulated time under eve
           "[verifier][clocks][determinism]") {
   const Scene scene = stack_scene(4, 0.05, Precision::f32);
   const std::vector<std::uint64_t> expected = hashes_under(scene, "steady_60", 240);
-  for (const verifier::HostInfo& host : verifier::hosts) {
-    if (host.kind == verifier::HostKind::wall) continue;
+  for (const tool::HostInfo& host : tool::hosts) {
+    if (host.kind == tool::HostKind::wall) continue;
     CAPTURE(host.name);
     CHECK(hashes_under(scene, std::string(host.name), 240) == expected);
   }
@@ -145,7 +145,7 @@ TEST_CASE("a variable clock gives other states under other frames, and both trac
   const Recorded other = record_clocked(scene, "jitter_60", 2, 240);
   CHECK(one.root_hash != other.root_hash);
   CHECK(one.root_hash == record_clocked(scene, "jitter_60", 1, 240).root_hash);
-  const auto frames = verifier::open_host("jitter_60", 1);
+  const auto frames = tool::open_host("jitter_60", 1);
   REQUIRE(frames.has_value());
   REQUIRE(one.dts.size() == 240);
   for (const double dt : one.dts) {
@@ -255,7 +255,7 @@ TEST_CASE("a file of frames ends the session, and a wrong line is refused with i
     CHECK(refused.error().message.find(":2: frame time: found \"" + bad + "\"") != std::string::npos);
     CHECK(inputs->frames_failed());
   }
-  CHECK(!verifier::open_host("no_such_host", 1).has_value());
+  CHECK(!tool::open_host("no_such_host", 1).has_value());
 }
 
 TEST_CASE("settings of clocks out of range are refused", "[verifier][clocks][scene]") {

@@ -14,11 +14,11 @@
 namespace ticktrue::test {
 namespace {
 
+using tool::SlurmJob;
+using tool::SlurmSize;
+using tool::TraceLog;
 using verifier::HistoryRow;
-using verifier::SlurmJob;
-using verifier::SlurmSize;
 using verifier::TraceHistory;
-using verifier::TraceLog;
 
 HistoryRow log_row(const std::string& commit, const std::string& verdict, const std::string& mode = "replay") {
   HistoryRow row;
@@ -31,7 +31,7 @@ HistoryRow log_row(const std::string& commit, const std::string& verdict, const 
 TraceLog log_of_rows(std::vector<HistoryRow> rows) {
   TraceHistory history;
   history.rows = std::move(rows);
-  return verifier::log_of(std::move(history), "replay");
+  return tool::log_of(std::move(history), "replay");
 }
 
 SlurmJob plain_job() {
@@ -64,31 +64,31 @@ TEST_CASE("corpus log: the first build with other bits is named, with the last m
 }
 
 TEST_CASE("corpus log: times are those of the calendar", "[verifier][corpus][log][analytic]") {
-  CHECK(verifier::time_text(0) == "1970-01-01 00:00:00");
-  CHECK(verifier::time_text(951'827'696) == "2000-02-29 12:34:56");
+  CHECK(tool::time_text(0) == "1970-01-01 00:00:00");
+  CHECK(tool::time_text(951'827'696) == "2000-02-29 12:34:56");
 }
 
 TEST_CASE("corpus slurm: the array is sized by cost", "[verifier][corpus][slurm][analytic]") {
   SlurmJob job = plain_job();
   // Two hours for one processor are half an hour for four, or three tasks of ten minutes.
   const std::vector<double> hours(7200, 1.0);
-  SlurmSize size = verifier::slurm_size(hours, job);
+  SlurmSize size = tool::slurm_size(hours, job);
   CHECK(size.work_s == 7200);
   CHECK(size.task_count == 3);
   CHECK(size.limit_minutes > 30);
   CHECK(size.limit_minutes < 35);
   job.task_count_max = 2;
-  CHECK(verifier::slurm_size(hours, job).task_count == 2);
-  CHECK(verifier::slurm_size({1e6}, plain_job()).task_count == 1);
-  CHECK(verifier::slurm_size({}, plain_job()).task_count == 1);
-  CHECK(verifier::slurm_size({0, 0}, plain_job()).limit_minutes == 10);
+  CHECK(tool::slurm_size(hours, job).task_count == 2);
+  CHECK(tool::slurm_size({1e6}, plain_job()).task_count == 1);
+  CHECK(tool::slurm_size({}, plain_job()).task_count == 1);
+  CHECK(tool::slurm_size({0, 0}, plain_job()).limit_minutes == 10);
 }
 
 TEST_CASE("corpus slurm: the script is one for any POSIX shell, whatever the names are",
           "[verifier][corpus][slurm][analytic]") {
   const TemporaryFolder folder;
   const std::string script = folder.file("job.sh");
-  const std::string text = verifier::slurm_script(plain_job(), SlurmSize{16, 30, 1234});
+  const std::string text = tool::slurm_script(plain_job(), SlurmSize{16, 30, 1234});
   write_file(script, {reinterpret_cast<const std::uint8_t*>(text.data()), text.size()});
   verifier::ChildCommand command;
   command.argv = {"sh", "-n", script};

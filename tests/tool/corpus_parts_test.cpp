@@ -30,17 +30,17 @@ namespace ticktrue::test {
 namespace {
 
 namespace fs = std::filesystem;
-using verifier::CorpusOptions;
-using verifier::CorpusUnit;
+using tool::CorpusOptions;
+using tool::CorpusUnit;
+using tool::UnitSource;
 using verifier::Report;
 using verifier::StoreFolder;
-using verifier::UnitSource;
 using verifier::Verdict;
 using verifier::VerdictStore;
 using Units = std::vector<CorpusUnit>;
 
 bool has_engine_digest() {
-  return verifier::build_subject(verifier::VerifyMode::replay).has_value();
+  return tool::build_subject(verifier::VerifyMode::replay).has_value();
 }
 
 /// Six falling boxes, with a checkpoint every 20 ticks. With a fault, the trace diverges at that tick.
@@ -48,9 +48,9 @@ void record_boxes(const std::string& path, std::uint64_t tick_count, std::uint64
   const Scene scene = stack_scene(6, 0.5, Precision::f32);
   const auto made = engine::make_engine(scene);
   REQUIRE(made);
-  verifier::TraceChoices choices;
+  tool::TraceChoices choices;
   choices.checkpoint_interval = 20;
-  const replay::TraceSetup setup = verifier::make_trace_setup(**made, choices);
+  const replay::TraceSetup setup = tool::make_trace_setup(**made, choices);
   replay::NoInputs inputs(scene.settings.dt);
   replay::RecordOptions options;
   options.tick_count = tick_count;
@@ -98,14 +98,14 @@ class LongCorpus {
   }
   Units verify(const std::string& name, const CorpusOptions& options) const {
     const StoreFolder folder = open(name);
-    Result<Units> units = verifier::verify_corpus(files_, folder_.file("traces"), VerdictStore(folder), options);
+    Result<Units> units = tool::verify_corpus(files_, folder_.file("traces"), VerdictStore(folder), options);
     REQUIRE(units);
     return *std::move(units);
   }
   Units verify(const CorpusOptions& options) const { return verify("store", options); }
   Units look_up() const {
     const StoreFolder folder = open();
-    Result<Units> units = verifier::look_up_corpus(files_, folder_.file("traces"), VerdictStore(folder), {});
+    Result<Units> units = tool::look_up_corpus(files_, folder_.file("traces"), VerdictStore(folder), {});
     REQUIRE(units);
     return *std::move(units);
   }
@@ -181,7 +181,7 @@ TEST_CASE("corpus: a part that is no match is followed by a run from tick 0, and
       CHECK(units[1].report.divergence->tick == tick);
       CHECK(same_of(units[1].report) == same_of(corpus.whole()[1]));
       CHECK(units[1].source == UnitSource::verified);
-      CHECK(verifier::corpus_exit_code(units, false) == verifier::exit_finding);
+      CHECK(tool::corpus_exit_code(units, false) == verifier::exit_finding);
     }
   }
 }
@@ -213,9 +213,9 @@ TEST_CASE("corpus: a part that was no match once is not forgotten when the whole
   for (int run = 0; run < 2; ++run) {
     const Units units = corpus.verify(in_parts());
     CHECK(units[0].report.verdict == Verdict::not_reproducible);
-    CHECK(verifier::corpus_exit_code(units, false) == verifier::exit_not_reproducible);
+    CHECK(tool::corpus_exit_code(units, false) == verifier::exit_not_reproducible);
   }
-  CHECK(verifier::corpus_exit_code(corpus.look_up(), false) == verifier::exit_not_reproducible);
+  CHECK(tool::corpus_exit_code(corpus.look_up(), false) == verifier::exit_not_reproducible);
 }
 
 TEST_CASE("corpus: workers that claim share the parts of a trace, and replace one that died",
@@ -248,7 +248,7 @@ TEST_CASE("corpus: workers that claim share the parts of a trace, and replace on
       }
       CHECK(verified_count == 1);
     }
-    CHECK(verifier::corpus_exit_code(corpus.look_up(), false) ==
+    CHECK(tool::corpus_exit_code(corpus.look_up(), false) ==
           (tick == no_fault ? verifier::exit_ok : verifier::exit_finding));
   }
 }
@@ -264,13 +264,13 @@ TEST_CASE("corpus: a damaged verdict of a part is told and found again", "[verif
     bytes[bytes.size() / 2] ^= 1;
     write_file(path, bytes);
   }
-  CHECK(verifier::corpus_exit_code(corpus.look_up(), false) == verifier::exit_usage);
+  CHECK(tool::corpus_exit_code(corpus.look_up(), false) == verifier::exit_usage);
   const Units again = corpus.verify(in_parts());
   for (std::size_t i = 0; i < again.size(); ++i) {
     CHECK(again[i].source == UnitSource::verified);
     CHECK(same_of(again[i].report) == same_of(corpus.whole()[i]));
   }
-  CHECK(verifier::corpus_exit_code(again, false) == verifier::exit_ok);
+  CHECK(tool::corpus_exit_code(again, false) == verifier::exit_ok);
 }
 
 TEST_CASE("corpus: parts of a stopped run are kept, and a report misses what is missing",
@@ -282,14 +282,14 @@ TEST_CASE("corpus: parts of a stopped run are kept, and a report misses what is 
   int asked = 0;
   options.stops = [&] { return ++asked > 16; };
   const Units stopped = corpus.verify(options);
-  CHECK(verifier::corpus_exit_code(stopped, false) == verifier::exit_usage);
+  CHECK(tool::corpus_exit_code(stopped, false) == verifier::exit_usage);
   const std::size_t kept = entry_count(corpus.open());
   CHECK(kept > 0);
   const Units missing = corpus.look_up();
-  CHECK(verifier::corpus_exit_code(missing, false) == verifier::exit_usage);
+  CHECK(tool::corpus_exit_code(missing, false) == verifier::exit_usage);
   CHECK(contains(missing[0].report.reason, "found no verdict of "));
-  CHECK(verifier::corpus_exit_code(corpus.verify(in_parts()), false) == verifier::exit_ok);
-  CHECK(verifier::corpus_exit_code(corpus.look_up(), false) == verifier::exit_ok);
+  CHECK(tool::corpus_exit_code(corpus.verify(in_parts()), false) == verifier::exit_ok);
+  CHECK(tool::corpus_exit_code(corpus.look_up(), false) == verifier::exit_ok);
 }
 
 TEST_CASE("corpus: shards make up the whole, whenever each of them starts", "[verifier][corpus][shards][equivalence]") {
@@ -302,17 +302,17 @@ TEST_CASE("corpus: shards make up the whole, whenever each of them starts", "[ve
       CorpusOptions options = in_parts();
       options.shard = verifier::Shard{index, 3};
       const Units units = corpus.verify(options);
-      codes.push_back(verifier::corpus_exit_code(units, false));
+      codes.push_back(tool::corpus_exit_code(units, false));
       for (const CorpusUnit& unit : units)
         if (unit.source == UnitSource::partial) part_ticks += unit.report.ticks_compared;
       corpus.learn_that_the_last_is_expensive();
-      CHECK((index == 1 || verifier::corpus_exit_code(corpus.look_up(), false) == verifier::exit_usage));
+      CHECK((index == 1 || tool::corpus_exit_code(corpus.look_up(), false) == verifier::exit_usage));
     }
     CHECK(part_ticks > 0);
     const Units all = corpus.look_up();
     const int expected = tick == no_fault ? verifier::exit_ok : verifier::exit_finding;
     CHECK(verifier::worst_exit_code(codes) == expected);
-    CHECK(verifier::corpus_exit_code(all, false) == expected);
+    CHECK(tool::corpus_exit_code(all, false) == expected);
     for (std::size_t i = 0; i < all.size(); ++i) CHECK(same_of(all[i].report) == same_of(corpus.whole()[i]));
   }
 }
@@ -328,9 +328,9 @@ TEST_CASE("shards of a corpus of very different lengths are within 10 % of each 
     for (int i = 0; i < 2000; ++i) {
       const double share = static_cast<double>(random.bits() % 10'000) / 10'000;
       costs.push_back(0.01 * std::pow(2e6, share * share));
-      parts.push_back(std::min(segments_max, verifier::wanted_parts(costs.back(), 60)));
+      parts.push_back(std::min(segments_max, tool::wanted_parts(costs.back(), 60)));
     }
-    const verifier::ShardPlan plan = verifier::plan_shards(parts, costs, shard_count);
+    const tool::ShardPlan plan = tool::plan_shards(parts, costs, shard_count);
     REQUIRE(plan.traces.size() == costs.size());
     std::vector<double> loads(shard_count);
     for (std::size_t i = 0; i < costs.size(); ++i) {
@@ -341,33 +341,33 @@ TEST_CASE("shards of a corpus of very different lengths are within 10 % of each 
     CAPTURE(shard_count, *least, *most);
     CHECK(*most <= 1.1 * *least);
 
-    const Bytes bytes = verifier::encode_plan(plan);
-    const auto again = verifier::decode_plan(bytes, costs.size(), shard_count);
+    const Bytes bytes = tool::encode_plan(plan);
+    const auto again = tool::decode_plan(bytes, costs.size(), shard_count);
     REQUIRE(again);
     CHECK(again->traces == plan.traces);
-    CHECK(!verifier::decode_plan(bytes, costs.size() + 1, shard_count));
-    CHECK(!verifier::decode_plan(bytes, costs.size(), shard_count - 1));
-    CHECK(!verifier::decode_plan(ByteView(bytes).first(bytes.size() - 1), costs.size(), shard_count));
+    CHECK(!tool::decode_plan(bytes, costs.size() + 1, shard_count));
+    CHECK(!tool::decode_plan(bytes, costs.size(), shard_count - 1));
+    CHECK(!tool::decode_plan(ByteView(bytes).first(bytes.size() - 1), costs.size(), shard_count));
   }
 }
 
 TEST_CASE("costs are learned, and by size where nothing is known", "[verifier][corpus][analytic]") {
-  using verifier::TraceCost;
+  using tool::TraceCost;
   const std::vector<double> costs =
-      verifier::estimated_costs({TraceCost{2.0, 1000}, TraceCost{std::nullopt, 500}, TraceCost{4.0, 2000}});
+      tool::estimated_costs({TraceCost{2.0, 1000}, TraceCost{std::nullopt, 500}, TraceCost{4.0, 2000}});
   CHECK(costs == std::vector<double>{2.0, 1.0, 4.0});
   const std::vector<double> unknown =
-      verifier::estimated_costs({TraceCost{std::nullopt, 1'000'000}, TraceCost{std::nullopt, 3'000'000}});
+      tool::estimated_costs({TraceCost{std::nullopt, 1'000'000}, TraceCost{std::nullopt, 3'000'000}});
   CHECK(std::abs(unknown[1] - 3 * unknown[0]) < 1e-9);
   std::vector<double> one_is_long(20, 1.0);
   one_is_long.push_back(10);
-  const std::vector<std::uint32_t> shares = verifier::share_out(one_is_long, 2);
+  const std::vector<std::uint32_t> shares = tool::share_out(one_is_long, 2);
   double first_s = 0;
   for (std::size_t i = 0; i < shares.size(); ++i) first_s += shares[i] == 1 ? one_is_long[i] : 0;
   CHECK(first_s == 15);
-  CHECK(verifier::wanted_parts(59, 60) == 1);
-  CHECK(verifier::wanted_parts(61, 60) == 2);
-  CHECK(verifier::wanted_parts(3600, 60) == 60);
+  CHECK(tool::wanted_parts(59, 60) == 1);
+  CHECK(tool::wanted_parts(61, 60) == 2);
+  CHECK(tool::wanted_parts(3600, 60) == 60);
 }
 
 }  // namespace ticktrue::test

@@ -22,16 +22,16 @@ namespace ticktrue::test {
 namespace {
 
 namespace fs = std::filesystem;
-using verifier::CorpusOptions;
-using verifier::CorpusUnit;
+using tool::CorpusOptions;
+using tool::CorpusUnit;
+using tool::UnitSource;
 using verifier::StoreFolder;
-using verifier::UnitSource;
 using verifier::Verdict;
 using verifier::VerdictStore;
 using Units = std::vector<CorpusUnit>;
 
 bool can_store() {
-  return verifier::build_subject(verifier::VerifyMode::replay).has_value();
+  return tool::build_subject(verifier::VerifyMode::replay).has_value();
 }
 
 /// A folder with a few of the golden traces, and a store beside them.
@@ -54,11 +54,11 @@ class Corpus {
   }
   Units verify(const CorpusOptions& options = {}) const {
     const StoreFolder folder = open();
-    return taken(verifier::verify_corpus(files_, folder_.file("traces"), VerdictStore(folder), options));
+    return taken(tool::verify_corpus(files_, folder_.file("traces"), VerdictStore(folder), options));
   }
   Units look_up() const {
     const StoreFolder folder = open(StoreFolder::Use::reading);
-    return taken(verifier::look_up_corpus(files_, folder_.file("traces"), VerdictStore(folder), {}));
+    return taken(tool::look_up_corpus(files_, folder_.file("traces"), VerdictStore(folder), {}));
   }
   std::string entry_of(const CorpusUnit& unit) const { return open().path_of(verifier::spread_name(unit.key)); }
 
@@ -101,7 +101,7 @@ TEST_CASE("corpus: the second run verifies nothing, and its reports are those of
   CHECK(count(first, Verdict::match) == first.size());
   const Units second = corpus.verify();
   CHECK(count(second, UnitSource::cached) == second.size());
-  CHECK(verifier::corpus_exit_code(second, false) == verifier::exit_ok);
+  CHECK(tool::corpus_exit_code(second, false) == verifier::exit_ok);
   for (std::size_t i = 0; i < first.size(); ++i) {
     CHECK(second[i].key == first[i].key);
     CHECK(second[i].report.file == corpus.files()[i]);
@@ -156,7 +156,7 @@ TEST_CASE("corpus: bytes changed under a kept time are verified anew", "[verifie
   CHECK(second[1].source == UnitSource::verified);
   CHECK(second[1].report.verdict == Verdict::damaged);
   CHECK(count(second, UnitSource::cached) == first.size() - 1);
-  CHECK(verifier::corpus_exit_code(second, false) == verifier::exit_damaged);
+  CHECK(tool::corpus_exit_code(second, false) == verifier::exit_damaged);
 }
 
 TEST_CASE("corpus: a verdict that is no match is never taken from the store", "[verifier][corpus][analytic]") {
@@ -168,8 +168,8 @@ TEST_CASE("corpus: a verdict that is no match is never taken from the store", "[
     CHECK(units[2].source == UnitSource::verified);
     CHECK(units[2].report.verdict == Verdict::incomplete);
     CHECK(count(units, UnitSource::cached) == (run == 0 ? 0 : units.size() - 1));
-    CHECK(verifier::corpus_exit_code(units, false) == verifier::exit_incomplete);
-    CHECK(verifier::corpus_exit_code(units, true) == verifier::exit_ok);
+    CHECK(tool::corpus_exit_code(units, false) == verifier::exit_incomplete);
+    CHECK(tool::corpus_exit_code(units, true) == verifier::exit_ok);
   }
 }
 
@@ -181,10 +181,10 @@ TEST_CASE(
   const TemporaryFolder folder;
   const std::string script = "\"" TICKTRUE_TOOL "\" verify -j 1 --json \"$1\" | tr -d '\\n' > \"$TICKTRUE_RESULT\"\n";
   write_file(folder.file("game.sh"), Bytes(script.begin(), script.end()));
-  auto program = verifier::ProgramSubject::make({{"sh", folder.file("game.sh"), "{}"}, {}, "-", 60});
+  auto program = tool::ProgramSubject::make({{"sh", folder.file("game.sh"), "{}"}, {}, "-", 60});
   REQUIRE(program);
   CorpusOptions options;
-  options.program = std::make_shared<verifier::ProgramSubject>(*std::move(program));
+  options.program = std::make_shared<tool::ProgramSubject>(*std::move(program));
   options.thread_count = 4;
   for (int run = 0; run < 2; ++run) {
     const Units units = corpus.verify(options);
@@ -210,10 +210,10 @@ TEST_CASE("corpus: a red verdict of the store that a run does not confirm is a c
     const Units units = corpus.verify();
     CHECK(units[0].report.verdict == Verdict::not_reproducible);
     CHECK(contains(units[0].report.reason, "two verdicts for the same bytes, engine and options"));
-    CHECK(verifier::corpus_exit_code(units, false) == verifier::exit_not_reproducible);
+    CHECK(tool::corpus_exit_code(units, false) == verifier::exit_not_reproducible);
     CHECK(count(units, UnitSource::cached) == units.size() - (run == 0 ? 1 : 0));
   }
-  CHECK(verifier::corpus_exit_code(corpus.look_up(), false) == verifier::exit_not_reproducible);
+  CHECK(tool::corpus_exit_code(corpus.look_up(), false) == verifier::exit_not_reproducible);
 }
 
 TEST_CASE("corpus: a sample of everything runs everything, and finds a verdict that was forged",
@@ -225,7 +225,7 @@ TEST_CASE("corpus: a sample of everything runs everything, and finds a verdict t
   all.recheck = 1;
   Units units = corpus.verify(all);
   CHECK(count(units, UnitSource::rechecked) == units.size());
-  CHECK(verifier::corpus_exit_code(units, false) == verifier::exit_ok);
+  CHECK(tool::corpus_exit_code(units, false) == verifier::exit_ok);
   verifier::Report forged = first[3].report;
   forged.root_hash ^= 1;
   fs::remove(corpus.entry_of(first[3]));
@@ -243,13 +243,13 @@ TEST_CASE("corpus: a damaged verdict is told and verified again", "[verifier][co
   const Units found = corpus.look_up();
   CHECK(found[4].source == UnitSource::missing);
   CHECK(found[4].warnings.size() == 1);
-  CHECK(verifier::corpus_exit_code(found, false) == verifier::exit_usage);
+  CHECK(tool::corpus_exit_code(found, false) == verifier::exit_usage);
   change_byte(corpus.entry_of(first[3]));
   const Units units = corpus.verify();
   CHECK(units[3].warnings.size() == 1);
   CHECK(count(units, UnitSource::verified) == 2);
   CHECK(count(units, Verdict::match) == units.size());
-  CHECK(verifier::corpus_exit_code(corpus.look_up(), false) == verifier::exit_ok);
+  CHECK(tool::corpus_exit_code(corpus.look_up(), false) == verifier::exit_ok);
 }
 
 TEST_CASE("corpus: the report fails where a trace has no verdict or cannot be read", "[verifier][corpus][analytic]") {
@@ -258,13 +258,13 @@ TEST_CASE("corpus: the report fails where a trace has no verdict or cannot be re
   corpus.open();
   const Units nothing = corpus.look_up();
   CHECK(count(nothing, UnitSource::missing) == nothing.size());
-  CHECK(verifier::corpus_exit_code(nothing, false) == verifier::exit_usage);
+  CHECK(tool::corpus_exit_code(nothing, false) == verifier::exit_usage);
   corpus.verify();
-  CHECK(verifier::corpus_exit_code(corpus.look_up(), false) == verifier::exit_ok);
+  CHECK(tool::corpus_exit_code(corpus.look_up(), false) == verifier::exit_ok);
   fs::remove(corpus.files()[0]);
   const Units gone = corpus.look_up();
   CHECK(gone[0].report.verdict == Verdict::error);
-  CHECK(verifier::corpus_exit_code(gone, false) == verifier::exit_usage);
+  CHECK(tool::corpus_exit_code(gone, false) == verifier::exit_usage);
 }
 
 TEST_CASE("corpus: workers that claim do each trace once, and one that died is replaced",
@@ -314,13 +314,13 @@ TEST_CASE("corpus: what a full disk kept out of the store is verified again, wha
     CHECK(contains(unit.problems[0].message, corpus.store_path()));
     CHECK_FALSE(unit.problems[0].hint.empty());
   }
-  CHECK(verifier::corpus_exit_code(units, false) == verifier::exit_usage);
+  CHECK(tool::corpus_exit_code(units, false) == verifier::exit_usage);
   CHECK(count(corpus.look_up(), UnitSource::missing) == units.size());
   CHECK(count(corpus.verify(), UnitSource::verified) == units.size());
   const FullDisk full;
   const Units cached = corpus.verify();
   CHECK(count(cached, UnitSource::cached) == units.size());
-  CHECK(verifier::corpus_exit_code(cached, false) == verifier::exit_ok);
+  CHECK(tool::corpus_exit_code(cached, false) == verifier::exit_ok);
 }
 #endif
 
@@ -330,12 +330,12 @@ TEST_CASE("corpus: a verdict without room for its row of the history is not stor
   const std::string history = corpus.open().path_of("history");
   write_file(history, {});  // a file blocks this name for a folder
   const Units units = corpus.verify();
-  CHECK(verifier::corpus_exit_code(units, false) == verifier::exit_usage);
+  CHECK(tool::corpus_exit_code(units, false) == verifier::exit_usage);
   CHECK(count(corpus.look_up(), UnitSource::missing) == units.size());
   fs::remove(history);
-  CHECK(verifier::corpus_exit_code(corpus.verify(), false) == verifier::exit_ok);
+  CHECK(tool::corpus_exit_code(corpus.verify(), false) == verifier::exit_ok);
   for (const std::string& file : corpus.files()) {
-    const auto log = verifier::read_trace_log(file, corpus.open(), "replay");
+    const auto log = tool::read_trace_log(file, corpus.open(), "replay");
     REQUIRE(log);
     CHECK(log->rows.size() == 1);
   }
@@ -350,7 +350,7 @@ TEST_CASE("corpus: a stopped run leaves the rest for the next one", "[verifier][
   options.stops = [&] { return done_count == 2; };
   const Units stopped = corpus.verify(options);
   CHECK(count(stopped, UnitSource::verified) == 2);
-  CHECK(verifier::corpus_exit_code(stopped, false) == verifier::exit_usage);
+  CHECK(tool::corpus_exit_code(stopped, false) == verifier::exit_usage);
   const Units rest = corpus.verify();
   CHECK(count(rest, UnitSource::cached) == 2);
   CHECK(count(rest, UnitSource::verified) == rest.size() - 2);

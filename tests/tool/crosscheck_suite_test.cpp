@@ -10,59 +10,59 @@
 #include "tool/box2d/box2d_peer.h"
 #include "tool/crosscheck/crosscheck.h"
 
-namespace ticktrue::verifier {
+namespace ticktrue::test {
 namespace {
 
-const SuiteScene& find_scene(std::string_view name) {
-  const auto scenes = crosscheck_suite();
+const tool::SuiteScene& find_scene(std::string_view name) {
+  const auto scenes = tool::crosscheck_suite();
   const auto found =
-      std::find_if(scenes.begin(), scenes.end(), [&](const SuiteScene& scene) { return scene.name == name; });
+      std::find_if(scenes.begin(), scenes.end(), [&](const tool::SuiteScene& scene) { return scene.name == name; });
   REQUIRE(found != scenes.end());
   return *found;
 }
 
-CrosscheckReport check(std::string_view name, std::uint32_t seeds) {
-  const SuiteScene& scene = find_scene(name);
-  CrosscheckOptions options;
+tool::CrosscheckReport check(std::string_view name, std::uint32_t seeds) {
+  const tool::SuiteScene& scene = find_scene(name);
+  tool::CrosscheckOptions options;
   options.solvers = {engine::SolverKind::tgs_soft, engine::SolverKind::impulse};
   options.seed_count = seeds;
   options.seconds = scene.seconds;
   options.match_skin = true;
-  const Result<CrosscheckReport> report = crosscheck(scene.make(), options);
+  const Result<tool::CrosscheckReport> report = crosscheck(scene.make(), options);
   REQUIRE(report);
   return *report;
 }
 
-const CrosscheckSolver& solver_of(const CrosscheckReport& report, std::string_view name) {
+const tool::CrosscheckSolver& solver_of(const tool::CrosscheckReport& report, std::string_view name) {
   const auto found = std::find_if(report.solvers.begin(), report.solvers.end(),
-                                  [&](const CrosscheckSolver& solver) { return solver.solver == name; });
+                                  [&](const tool::CrosscheckSolver& solver) { return solver.solver == name; });
   REQUIRE(found != report.solvers.end());
   return *found;
 }
 
 TEST_CASE("the suite has at least 25 sound scenes with names of their own", "[verifier][crosscheck_suite]") {
   std::set<std::string_view> names;
-  for (const SuiteScene& scene : crosscheck_suite()) {
+  for (const tool::SuiteScene& scene : tool::crosscheck_suite()) {
     INFO(scene.name);
     names.insert(scene.name);
     const engine::Scene made = scene.make();
     const Status checked = engine::check_scene(made, std::string(scene.name));
     INFO((checked ? "" : checked.error().message));
     CHECK(checked);
-    CHECK(make_layout(made).dynamic_count > 0);
+    CHECK(tool::make_layout(made).dynamic_count > 0);
     CHECK(scene.seconds > 0);
     CHECK_FALSE(scene.outcome.empty());
   }
   CHECK(names.size() >= 25);
-  CHECK(names.size() == crosscheck_suite().size());
+  CHECK(names.size() == tool::crosscheck_suite().size());
 }
 
 TEST_CASE("scenes of the suite: tgs_soft agrees with Box2D, the thesis' solver does not",
           "[verifier][crosscheck_suite]") {
-  SKIP_UNLESS(!box2d_version().empty(), "a build without Box2D");
+  SKIP_UNLESS(!tool::box2d_version().empty(), "a build without Box2D");
   for (const std::string_view name : {"tower_5", "arch", "slope_slides"}) {
     INFO(name);
-    const CrosscheckReport report = check(name, 2);
+    const tool::CrosscheckReport report = check(name, 2);
     CHECK(solver_of(report, "tgs_soft").failed == 0);
     CHECK(solver_of(report, "tgs_soft").passed > 0);
     CHECK(solver_of(report, "impulse").failed > 0);
@@ -72,7 +72,7 @@ TEST_CASE("scenes of the suite: tgs_soft agrees with Box2D, the thesis' solver d
 TEST_CASE("scenes in which the default falls and Box2D's finest steps stand are judged so",
           "[verifier][crosscheck_suite]") {
   int count = 0;
-  for (const SuiteScene& scene : crosscheck_suite()) {
+  for (const tool::SuiteScene& scene : tool::crosscheck_suite()) {
     if (!scene.falls_short) continue;
     CAPTURE(scene.name);
     CHECK_FALSE(scene.make().settings.auto_substeps.has_value());
@@ -80,38 +80,38 @@ TEST_CASE("scenes in which the default falls and Box2D's finest steps stand are 
     ++count;
   }
   CHECK(count == 10);
-  SKIP_UNLESS(!box2d_version().empty(), "a build without Box2D");
+  SKIP_UNLESS(!tool::box2d_version().empty(), "a build without Box2D");
   for (const std::string_view name : {"under_100", "growing"}) {
     CAPTURE(name);
-    const CrosscheckReport report = check(name, 1);
-    const auto stands = std::find_if(report.rows.begin(), report.rows.end(), [](const CriterionResult& row) {
-      return row.solver == "tgs_soft" && row.criterion == stands_criterion;
+    const tool::CrosscheckReport report = check(name, 1);
+    const auto stands = std::find_if(report.rows.begin(), report.rows.end(), [](const tool::CriterionResult& row) {
+      return row.solver == "tgs_soft" && row.criterion == tool::stands_criterion;
     });
     REQUIRE(stands != report.rows.end());
-    CHECK(stands->verdict == Agreement::differ);
-    CHECK(mean_of(stands->ours) == 0);
-    CHECK(mean_of(stands->box2d) == 0);  // both fall: only the finest steps show the difference
+    CHECK(stands->verdict == tool::Agreement::differ);
+    CHECK(tool::mean_of(stands->ours) == 0);
+    CHECK(tool::mean_of(stands->box2d) == 0);  // both fall: only the finest steps show the difference
     REQUIRE_FALSE(stands->box2d_finest.empty());
-    CHECK(mean_of(stands->box2d_finest) == 1);
+    CHECK(tool::mean_of(stands->box2d_finest) == 1);
   }
 }
 
 TEST_CASE("a solver without joints is not applicable to a chain, beside one that is", "[verifier][crosscheck_suite]") {
-  SKIP_UNLESS(!box2d_version().empty(), "a build without Box2D");
-  const CrosscheckReport report = check("hanging_chain", 1);
+  SKIP_UNLESS(!tool::box2d_version().empty(), "a build without Box2D");
+  const tool::CrosscheckReport report = check("hanging_chain", 1);
   CHECK(solver_of(report, "tgs_soft").passed > 0);
   CHECK(solver_of(report, "impulse").not_applicable == 1);
   CHECK(solver_of(report, "impulse").failed == 0);
 }
 
 TEST_CASE("with its skin matched Box2D's tower is as high as its boxes", "[verifier][crosscheck_suite][analytic]") {
-  SKIP_UNLESS(!box2d_version().empty(), "a build without Box2D");
+  SKIP_UNLESS(!tool::box2d_version().empty(), "a build without Box2D");
   const engine::Scene scene = find_scene("tower_5").make();
   for (const bool match_skin : {false, true}) {
     INFO(match_skin);
-    Box2dOptions options;
+    tool::Box2dOptions options;
     options.match_skin = match_skin;
-    const Result<std::unique_ptr<Box2dPeer>> peer = make_box2d_peer(scene, options);
+    const Result<std::unique_ptr<tool::Box2dPeer>> peer = make_box2d_peer(scene, options);
     REQUIRE(peer);
     for (int tick = 0; tick < 300; ++tick) (*peer)->step();
     double top = 0;
@@ -126,4 +126,4 @@ TEST_CASE("with its skin matched Box2D's tower is as high as its boxes", "[verif
 }
 
 }  // namespace
-}  // namespace ticktrue::verifier
+}  // namespace ticktrue::test

@@ -14,8 +14,8 @@
 namespace ticktrue::test {
 namespace {
 
-using verifier::Drawing;
-using verifier::DrawnBody;
+using tool::Drawing;
+using tool::DrawnBody;
 
 /// Every kind of shape, some off the body's origin, moving and rotating.
 Scene all_shapes(Precision precision) {
@@ -47,14 +47,14 @@ TEST_CASE("drawing: bodies stand where the engine says, in both precisions", "[v
     const Scene scene = all_shapes(precision);
     const auto engine = engine::make_engine(scene);
     REQUIRE(engine.has_value());
-    const Drawing drawing(scene, *(*engine)->state().schema);
-    std::vector<DrawnBody> drawn;
+    const tool::Drawing drawing(scene, *(*engine)->state().schema);
+    std::vector<tool::DrawnBody> drawn;
     for (int tick = 0; tick < 40; ++tick) {
       drawing.read((*engine)->state(), drawn);
       const auto bodies = (*engine)->bodies();
       REQUIRE(drawn.size() == bodies.size());
       for (std::size_t i = 0; i < drawn.size(); ++i) {
-        const verifier::Figure& figure = drawing.figures()[drawn[i].figure];
+        const tool::Figure& figure = drawing.figures()[drawn[i].figure];
         // Centres of mass are rounded to the engine's precision. All other values have equal bits.
         const double off = precision == Precision::f32 ? 1e-5 : 1e-12;
         const Point origin = to_world(drawn[i], figure, {0, 0});
@@ -75,16 +75,16 @@ TEST_CASE("drawing: bodies stand where the engine says, in both precisions", "[v
 }
 
 TEST_CASE("drawing: an outline says what a shape is", "[verifier][drawing][analytic]") {
-  const auto disc = verifier::outline_of(disc_shape(0.5));
+  const auto disc = tool::outline_of(disc_shape(0.5));
   CHECK((disc.points.size() == 1 && disc.radius == 0.5 && !disc.is_line));
-  const auto capsule = verifier::outline_of(capsule_shape({-1, 0}, {1, 0}, 0.25));
+  const auto capsule = tool::outline_of(capsule_shape({-1, 0}, {1, 0}, 0.25));
   CHECK((capsule.points.size() == 2 && capsule.radius == 0.25 && !capsule.is_line));
-  const auto segment = verifier::outline_of(segment_shape({0, 0}, {1, 0}));
+  const auto segment = tool::outline_of(segment_shape({0, 0}, {1, 0}));
   CHECK((segment.points.size() == 2 && segment.is_line && !segment.is_closed));
   Shape loop = chain_shape({{0, 0}, {1, 0}, {1, 1}});
   loop.loop = true;
-  CHECK(verifier::outline_of(loop).is_closed);
-  const auto polygon = verifier::outline_of(polygon_shape({{1, 1}, {0, 0}, {1, 0}, {0, 1}}));
+  CHECK(tool::outline_of(loop).is_closed);
+  const auto polygon = tool::outline_of(polygon_shape({{1, 1}, {0, 0}, {1, 0}, {0, 1}}));
   REQUIRE(polygon.points.size() == 4);
   double area = 0;
   for (std::size_t i = 0; i < 4; ++i) {
@@ -104,8 +104,8 @@ TEST_CASE("drawing: a body that is not finite is marked, spawned ones have their
   const auto engine = engine::make_engine(scene);
   REQUIRE(engine.has_value());
   const StateView& state = (*engine)->state();
-  const Drawing drawing(scene, *state.schema);
-  std::vector<DrawnBody> drawn;
+  const tool::Drawing drawing(scene, *state.schema);
+  std::vector<tool::DrawnBody> drawn;
   drawing.read(state, drawn);
   REQUIRE(drawn.size() == 1);
   CHECK(drawn[0].is_finite);
@@ -128,13 +128,13 @@ TEST_CASE("drawing: a body that is not finite is marked, spawned ones have their
 }
 
 TEST_CASE("a joint is drawn from anchor to anchor, a pulley over its ground anchors", "[verifier][drawing][analytic]") {
-  const verifier::JointPlaces places{{0, 0}, {3, 4}, {1, 0}};
+  const tool::JointPlaces places{{0, 0}, {3, 4}, {1, 0}};
   for (const auto& info : engine::joint_kinds) {
     CAPTURE(info.name);
     Joint joint = joint_of(info.kind, 0, 1);
     joint.ground_anchor_a = {0, 6};
     joint.ground_anchor_b = {3, 6};
-    const verifier::JointLines shown = verifier::joint_lines(joint, places);
+    const tool::JointLines shown = tool::joint_lines(joint, places);
     const bool over = info.kind == JointKind::pulley;
     REQUIRE(shown.count == (over ? 3 : 1));
     CHECK(shown.lines[0] ==
@@ -151,16 +151,16 @@ TEST_CASE("a gear is shown between the anchors of its two turning bodies", "[ver
   scene.joints[0].anchor_b = {-1, 2};
   scene.joints[1].anchor_b = {4, 5};
   scene.joints[2].joint_b = 1;
-  const Joint shown = verifier::shown_joint(scene, scene.joints[2]);
+  const Joint shown = tool::shown_joint(scene, scene.joints[2]);
   CHECK(shown.body_a == 1);
   CHECK(shown.anchor_a == Point{-1, 2});
   CHECK(shown.body_b == 2);
   CHECK(shown.anchor_b == Point{4, 5});
-  CHECK(verifier::shown_joint(scene, scene.joints[1]) == scene.joints[1]);
+  CHECK(tool::shown_joint(scene, scene.joints[1]) == scene.joints[1]);
 }
 
 TEST_CASE("the gap of a joint is what its rigid rows hold", "[verifier][drawing][analytic]") {
-  const verifier::JointPlaces places{{0, 0}, {3, 4}, {2, 0}};
+  const tool::JointPlaces places{{0, 0}, {3, 4}, {2, 0}};
   const auto gap = [&](JointKind kind, auto change) {
     Joint joint = joint_of(kind, 0, 1);
     change(joint);

@@ -51,7 +51,7 @@ TEST_CASE("a run of a thread that rounds upward is refused", "[verifier][float_e
   std::string message;
   {
     const RoundingUpward upward;
-    const auto result = verifier::run_session(**made, inputs, 5, {});
+    const auto result = tool::run_session(**made, inputs, 5, {});
     if (!result) message = result.error().message;
   }
   CHECK_THAT(message, Catch::Contains("rounding upward"));
@@ -85,16 +85,16 @@ TEST_CASE("workers of a tick whose arithmetic is another are refused",
 
 TEST_CASE("the probe gives every part the digest of every platform, and another one under another rounding",
           "[verifier][float_environment][probe][golden]") {
-  for (const verifier::ProbePart& part : verifier::probe_arithmetic()) {
+  for (const tool::ProbePart& part : tool::probe_arithmetic()) {
     CAPTURE(part.name);
     CHECK(part.is_right());
   }
-  std::vector<verifier::ProbePart> parts;
+  std::vector<tool::ProbePart> parts;
   {
     const RoundingUpward upward;
-    parts = verifier::probe_arithmetic();
+    parts = tool::probe_arithmetic();
   }
-  for (const verifier::ProbePart& part : parts) {
+  for (const tool::ProbePart& part : parts) {
     CAPTURE(part.name);
     CHECK_FALSE(part.is_right());
   }

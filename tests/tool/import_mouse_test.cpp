@@ -14,7 +14,7 @@
 
 using namespace ticktrue;
 using namespace ticktrue::engine;
-using namespace ticktrue::verifier;
+using namespace ticktrue::tool;
 using Catch::Matchers::Contains;
 using Catch::Matchers::StartsWith;
 
@@ -29,14 +29,14 @@ Scene scene_of_tenths() {
   return scene;
 }
 
-std::vector<Input> imported(const std::string& rows, const MouseImportOptions& options = {}) {
+std::vector<Input> imported(const std::string& rows, const tool::MouseImportOptions& options = {}) {
   auto inputs = import_mouse(header + rows, "s.csv", scene_of_tenths(), options);
   if (!inputs) FAIL(inputs.error().message);
   return *std::move(inputs);
 }
 
 std::string refusal(const std::string& csv) {
-  const auto inputs = import_mouse(csv, "s.csv", scene_of_tenths());
+  const auto inputs = tool::import_mouse(csv, "s.csv", scene_of_tenths());
   return inputs ? "accepted" : inputs.error().message;
 }
 
@@ -133,7 +133,7 @@ TEST_CASE("the right button counts only where asked for, and drags belong to the
       "0,0.4,Scroll,Down,0,0\n"
       "0,0.5,Left,Released,6,5\n";
   CHECK(imported(rows).size() == 1);
-  MouseImportOptions options;
+  tool::MouseImportOptions options;
   options.right_presses = true;
   const std::vector<Input> inputs = imported(rows, options);
   REQUIRE(inputs.size() == 4);
@@ -159,8 +159,8 @@ TEST_CASE("line ends of either kind, a byte order mark and empty lines change no
   const std::vector<Input> expected = imported(row + "\n");
   CHECK(imported(row) == expected);
   CHECK(imported(row + "\r\n\n") == expected);
-  const auto marked =
-      import_mouse("\xef\xbb\xbf" + header.substr(0, header.size() - 1) + "\r\n" + row, "s.csv", scene_of_tenths());
+  const auto marked = tool::import_mouse("\xef\xbb\xbf" + header.substr(0, header.size() - 1) + "\r\n" + row, "s.csv",
+                                         scene_of_tenths());
   REQUIRE(marked);
   CHECK(*marked == expected);
 }
@@ -169,10 +169,10 @@ TEST_CASE("the screen is mapped to the window asked for, the pointer's, or the b
           "[verifier][import_mouse][analytic]") {
   const std::string csv = header + "0,0.2,Left,Pressed,0,0\n";
   Scene scene = scene_of_tenths();
-  const auto press_x = [&](const MouseImportOptions& options) {
+  const auto press_x = [&](const tool::MouseImportOptions& options) {
     return (*import_mouse(csv, "s.csv", scene, options))[0].values[0];
   };
-  MouseImportOptions options;
+  tool::MouseImportOptions options;
   options.window = Bounds{{100, 0}, {102, 1}};
   CHECK(press_x(options) == 101);
   CHECK(press_x({}) == 5);
@@ -180,7 +180,8 @@ TEST_CASE("the screen is mapped to the window asked for, the pointer's, or the b
   CHECK(press_x({}) == 16);
   scene.bounds.reset();
   CHECK(import_mouse(csv, "s.csv", scene, options));
-  CHECK_THAT(import_mouse(csv, "s.csv", scene).error().message, Contains("found neither pointer.window nor bounds"));
+  CHECK_THAT(tool::import_mouse(csv, "s.csv", scene).error().message,
+             Contains("found neither pointer.window nor bounds"));
   const auto without = import_mouse(csv, "s.csv", *make_builtin_scene("stack"), options);
   REQUIRE_FALSE(without);
   CHECK(without.error().code == ErrorCode::incompatible);
@@ -218,7 +219,7 @@ TEST_CASE("a session cut anywhere is refused or a shorter session, never a crash
   const std::string csv =
       header + "0.0,0.0,NoButton,Move,99,199\n0.2,0.25,Left,Pressed,9,49\n0.5,0.46,Left,Released,40,69\n";
   for (std::size_t size = 0; size < csv.size(); ++size) {
-    const auto inputs = import_mouse(std::string_view(csv).substr(0, size), "s.csv", scene_of_tenths());
+    const auto inputs = tool::import_mouse(std::string_view(csv).substr(0, size), "s.csv", scene_of_tenths());
     if (inputs) check_well_formed(scene_of_tenths(), *inputs);
   }
   CHECK(refusal(csv) == "accepted");
@@ -228,7 +229,7 @@ TEST_CASE("the modelled person clicks about once a second and drags one time in 
           "[verifier][mouse_model][analytic]") {
   const Scene scene = *make_builtin_scene("thesis");
   for (const std::uint64_t seed : {1u, 2u, 3u}) {
-    const std::vector<Input> inputs = *model_mouse_session(scene, seed, 600);
+    const std::vector<Input> inputs = *tool::model_mouse_session(scene, seed, 600);
     check_well_formed(scene, inputs);
     CHECK(inputs.back().tick == static_cast<std::uint64_t>(600 / 0.0167));
     const std::size_t presses = count_of(inputs, InputKind::press);
@@ -245,19 +246,19 @@ TEST_CASE("the modelled person clicks about once a second and drags one time in 
       CHECK((input.values[1] >= 0 && input.values[1] <= 24));
     }
   }
-  CHECK(*model_mouse_session(scene, 1, 20) == *model_mouse_session(scene, 1, 20));
-  CHECK_FALSE(*model_mouse_session(scene, 1, 20) == *model_mouse_session(scene, 2, 20));
-  CHECK(model_mouse_session(scene, 1, 0)->size() == 1);
-  CHECK_FALSE(model_mouse_session(scene, 1, -1));
-  CHECK_FALSE(model_mouse_session(scene, 1, 1e9));
-  CHECK_FALSE(model_mouse_session(*make_builtin_scene("stack"), 1, 10));
-  CHECK_FALSE(model_mouse_session(*make_builtin_scene("thesis?dt=1e-9"), 1, 2000));
+  CHECK(*tool::model_mouse_session(scene, 1, 20) == *tool::model_mouse_session(scene, 1, 20));
+  CHECK_FALSE(*tool::model_mouse_session(scene, 1, 20) == *tool::model_mouse_session(scene, 2, 20));
+  CHECK(tool::model_mouse_session(scene, 1, 0)->size() == 1);
+  CHECK_FALSE(tool::model_mouse_session(scene, 1, -1));
+  CHECK_FALSE(tool::model_mouse_session(scene, 1, 1e9));
+  CHECK_FALSE(tool::model_mouse_session(*make_builtin_scene("stack"), 1, 10));
+  CHECK_FALSE(tool::model_mouse_session(*make_builtin_scene("thesis?dt=1e-9"), 1, 2000));
 }
 
 TEST_CASE("the repository's session is the model's with seed 1 over 60 seconds", "[verifier][mouse_model][golden]") {
   const Scene scene = *make_builtin_scene("thesis");
   std::string expected;
-  const auto inputs = model_mouse_session(scene, 1, 60);
+  const auto inputs = tool::model_mouse_session(scene, 1, 60);
   REQUIRE(inputs);
   for (const Input& input : *inputs) expected += print_input(scene, input) + "\n";
   CHECK(file_text(std::string(TICKTRUE_SOURCE_DIR) + "/scenes/thesis_session.jsonl") == expected);
@@ -277,7 +278,7 @@ TEST_CASE("the sessions of real people have the presses that their table counts"
                                                         {"session_1391052664", 109}, {"session_5265929106", 1221}};
   for (const auto& [name, presses] : left_presses) {
     CAPTURE(name);
-    const auto inputs = import_mouse(file_text(std::string(folder) + "/" + name + ".csv"), name, scene);
+    const auto inputs = tool::import_mouse(file_text(std::string(folder) + "/" + name + ".csv"), name, scene);
     if (!inputs) FAIL(inputs.error().message);
     CHECK(count_of(*inputs, InputKind::press) == presses);
     CHECK(count_of(*inputs, InputKind::release) == presses);

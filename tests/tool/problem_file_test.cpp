@@ -21,17 +21,17 @@ namespace ticktrue::test {
 namespace {
 
 using engine::Precision;
-using verifier::AccuracyCurve;
-using verifier::Problem;
-using verifier::ReferenceTable;
-using verifier::StudyVerdict;
+using tool::AccuracyCurve;
+using tool::Problem;
+using tool::ReferenceTable;
+using tool::StudyVerdict;
 
 void write_text(const std::string& path, const std::string& text) {
   write_file(path, Bytes(text.begin(), text.end()));
 }
 
 bool has_expressions() {
-  return verifier::Expression::parse("1", "test").has_value();
+  return tool::Expression::parse("1", "test").has_value();
 }
 
 /// A ball thrown at (3, 7) m/s that hits nothing.
@@ -40,10 +40,10 @@ std::string thrown(const std::string& more = "", const std::string& exact = R"("
          exact + more + "}";
 }
 
-Result<Problem> read(const std::string& json) {
+Result<tool::Problem> read(const std::string& json) {
   const TemporaryFolder folder;
   write_text(folder.file("p.json"), json);
-  return verifier::read_problem(folder.file("p.json"));
+  return tool::read_problem(folder.file("p.json"));
 }
 
 std::string refusal(const std::string& json) {
@@ -51,11 +51,11 @@ std::string refusal(const std::string& json) {
   return problem ? "" : problem.error().message;
 }
 
-std::vector<AccuracyCurve> run(const Problem& problem) {
-  verifier::AccuracyOptions options;
+std::vector<tool::AccuracyCurve> run(const tool::Problem& problem) {
+  tool::AccuracyOptions options;
   options.precisions = {engine::Precision::f64};
   options.repeat_max = 1;
-  auto curves = verifier::run_accuracy({problem}, options);
+  auto curves = tool::run_accuracy({problem}, options);
   REQUIRE(curves.has_value());
   return *std::move(curves);
 }
@@ -70,7 +70,7 @@ TEST_CASE("a problem of one's own is judged by its slope and its bars", "[verifi
   auto curves = run(*problem);
   REQUIRE(curves.size() == 1);
   CAPTURE(curves[0].judgement.reason);
-  CHECK(curves[0].judgement.verdict == StudyVerdict::pass);
+  CHECK(curves[0].judgement.verdict == tool::StudyVerdict::pass);
   const double error = curves[0].points[2].error;  // 4 substeps
   REQUIRE(error > 0);
   for (const bool keeps : {true, false}) {
@@ -80,11 +80,11 @@ TEST_CASE("a problem of one's own is judged by its slope and its bars", "[verifi
                bar + "}]"));
     if (!with_bar) FAIL(with_bar.error().message);
     curves = run(*with_bar);
-    CHECK(curves[0].judgement.verdict == (keeps ? StudyVerdict::pass : StudyVerdict::fail));
+    CHECK(curves[0].judgement.verdict == (keeps ? tool::StudyVerdict::pass : tool::StudyVerdict::fail));
   }
   const auto wrong = read(thrown(R"(, "methods": ["tgs_soft"], "slope": 1)", R"("exact": ["3*t", "7*t - 4.9*t^2"])"));
   REQUIRE(wrong.has_value());
-  CHECK(run(*wrong)[0].judgement.verdict == StudyVerdict::fail);
+  CHECK(run(*wrong)[0].judgement.verdict == tool::StudyVerdict::fail);
 }
 
 TEST_CASE("a claimed slope that no curve can show fails, unless rounding hides it", "[verifier][study]") {
@@ -92,12 +92,12 @@ TEST_CASE("a claimed slope that no curve can show fails, unless rounding hides i
   const auto judged = [](const std::string& json) {
     const auto problem = read(json);
     if (!problem) FAIL(problem.error().message);
-    CHECK(verifier::claims_of_own(*problem));
+    CHECK(tool::claims_of_own(*problem));
     return run(*problem)[0].judgement;
   };
   const std::string claim = R"(, "methods": ["tgs_soft"], "slope": 1)";
   const auto far_off = judged(thrown(claim, R"("exact": ["6*t", "7*t - 5*t^2"])"));
-  CHECK(far_off.verdict == StudyVerdict::fail);
+  CHECK(far_off.verdict == tool::StudyVerdict::fail);
   CHECK(far_off.reason.find("at the finest setting, 64 sub") != std::string::npos);
 
   const std::string explodes = R"j({"scene": {"settings": {"solver": "free_flight", "integrator": "explicit_euler"},
@@ -109,7 +109,7 @@ TEST_CASE("a claimed slope that no curve can show fails, unless rounding hides i
     if (!problem) FAIL(problem.error().message);
     const auto judgement = run(*problem)[0].judgement;
     CAPTURE(judgement.reason);
-    CHECK(judgement.verdict == StudyVerdict::fail);
+    CHECK(judgement.verdict == tool::StudyVerdict::fail);
     CHECK(judgement.reason.find("not finite") != std::string::npos);
   }
 
@@ -117,7 +117,7 @@ TEST_CASE("a claimed slope that no curve can show fails, unless rounding hides i
   const auto hidden = judged(R"({"scene": "projectile?solver=tgs_soft&integrator=velocity_verlet", "duration": 1,
       "samples": 10, "observe": "bodies.0.x", "exact": "3*t", "methods": ["tgs_soft"], "slope": 7,
       "bars": [{"method": "tgs_soft", "error": 0.1}]})");
-  CHECK(hidden.verdict == StudyVerdict::pass);
+  CHECK(hidden.verdict == tool::StudyVerdict::pass);
   CHECK(hidden.expected.value_or(0) == 7);
   CHECK(hidden.reason.find("by its bars alone: rounding") == 0);
 }
@@ -130,8 +130,8 @@ TEST_CASE("a slope may be claimed for each order, and for each method", "[verifi
              R"("slope": )" + claim + "}");
     if (!problem) FAIL(problem.error().message);
     std::vector<std::pair<std::string, double>> out;
-    for (const verifier::Method& method : verifier::methods_of(*problem))
-      out.emplace_back(method.name, verifier::expectation_of(*problem, method).slope.value_or(0));
+    for (const tool::Method& method : tool::methods_of(*problem))
+      out.emplace_back(method.name, tool::expectation_of(*problem, method).slope.value_or(0));
     return out;
   };
   for (const auto& [name, slope] : slopes("projectile", "[1, 2]")) {
@@ -158,11 +158,12 @@ TEST_CASE("each observed value may have a scale of its own", "[verifier][study]"
 
 TEST_CASE("the example is a problem, and passes", "[verifier][study]") {
   if (!has_expressions()) return;
-  const auto problem = read(verifier::example_problem);
+  const auto problem = read(tool::example_problem);
   if (!problem) FAIL(problem.error().message);
-  for (const AccuracyCurve& curve : run(*problem)) {
+  for (const tool::AccuracyCurve& curve : run(*problem)) {
     CAPTURE(curve.method.name, curve.judgement.reason);
-    CHECK(curve.judgement.verdict == (curve.method.name == "pgs" ? StudyVerdict::not_judged : StudyVerdict::pass));
+    CHECK(curve.judgement.verdict ==
+          (curve.method.name == "pgs" ? tool::StudyVerdict::not_judged : tool::StudyVerdict::pass));
   }
 }
 
@@ -176,14 +177,14 @@ TEST_CASE("a reference may be a table of times and values", "[verifier][study]")
   }
   write_text(folder.file("ref.csv"), csv);
   write_text(folder.file("p.json"), thrown(R"(, "methods": ["tgs_soft"], "slope": 1)", R"("reference": "ref.csv")"));
-  const auto problem = verifier::read_problem(folder.file("p.json"));
+  const auto problem = tool::read_problem(folder.file("p.json"));
   if (!problem) FAIL(problem.error().message);
-  CHECK(run(*problem)[0].judgement.verdict == StudyVerdict::pass);
+  CHECK(run(*problem)[0].judgement.verdict == tool::StudyVerdict::pass);
   write_text(folder.file("p.json"), thrown(R"(, "samples2": 3)", R"("reference": "ref.csv")"));
-  CHECK_FALSE(verifier::read_problem(folder.file("p.json")).has_value());
+  CHECK_FALSE(tool::read_problem(folder.file("p.json")).has_value());
   write_text(folder.file("ref.csv"), "0,0,0\n0.5,1,1\n");
   write_text(folder.file("p.json"), thrown("", R"("reference": "ref.csv")"));
-  const auto short_one = verifier::read_problem(folder.file("p.json"));
+  const auto short_one = tool::read_problem(folder.file("p.json"));
   REQUIRE_FALSE(short_one.has_value());
   CHECK(short_one.error().message.find("found times from 0 to 0.5 s, expected 0.1 to 1 s") != std::string::npos);
 }
@@ -194,7 +195,7 @@ TEST_CASE("between the rows of a table stands the cubic through four of them", "
     const double t = i * i / 8.0;
     csv += std::to_string(t) + "," + std::to_string(t * t * t - 2 * t) + "\n";
   }
-  const auto table = ReferenceTable::parse(csv, "t.csv", 1);
+  const auto table = tool::ReferenceTable::parse(csv, "t.csv", {"x"});
   REQUIRE(table.has_value());
   for (double t = 0; t <= 8; t += 0.37) CHECK(table->at(t)[0] == Approx(t * t * t - 2 * t).margin(1e-3));
   CHECK(table->at(table->last_time())[0] == Approx(8 * 8 * 8 - 16));
@@ -202,9 +203,34 @@ TEST_CASE("between the rows of a table stands the cubic through four of them", "
                       "0,1\n1\n", "0,1\n1,2,3\n", "0,1\n1,nan\n", "0,1\nx,y\n"};
   for (const char* text : wrong) {
     CAPTURE(text);
-    CHECK_FALSE(ReferenceTable::parse(text, "t.csv", 1).has_value());
+    CHECK_FALSE(tool::ReferenceTable::parse(text, "t.csv", {"x"}).has_value());
   }
-  CHECK(ReferenceTable::parse("t,v\n# note\n0,1\n1,2\r\n", "t.csv", 1).has_value());
+  CHECK(tool::ReferenceTable::parse("t,v\n# note\n0,1\n1,2\r\n", "t.csv", {"x"}).has_value());
+}
+
+TEST_CASE("names in the first line choose the columns of a reference table", "[verifier][study]") {
+  const std::vector<std::string> names{"bodies.1.x", "bodies.1.y"};
+  const auto at_1 = [&](const char* text) {
+    const auto table = tool::ReferenceTable::parse(text, "t.csv", names);
+    INFO((table ? std::string() : table.error().message));
+    REQUIRE(table.has_value());
+    return table->at(1);
+  };
+  CHECK(at_1("tick,time,bodies.1.y,energy,bodies.1.x\n0,0,1,9,2\n1,1,3,9,4\n") == std::vector<double>{4, 3});
+  CHECK(at_1("# note\ntime,bodies.1.x,bodies.1.y\n0,1,2\n1,3,4\n") == std::vector<double>{3, 4});
+  CHECK(at_1("t,x,y\n0,1,2\n1,3,4\n") == std::vector<double>{3, 4});
+  CHECK(at_1("0,1,2\n1,3,4\n") == std::vector<double>{3, 4});
+  const std::pair<const char*, const char*> wrong[]{
+      {"tick,time,bodies.1.x\n0,0,1\n1,1,3\n", "expected time,bodies.1.x,bodies.1.y"},
+      {"0,oops,0\n1,2,3\n2,3,4\n", "t.csv:1: found \"0,oops,0\", expected 3 numbers: time,bodies.1.x,bodies.1.y"},
+      {"time,bodies.1.y,bodies.1.x\n0,1\n", "expected 3 numbers"},
+  };
+  for (const auto& [text, message] : wrong) {
+    const auto table = tool::ReferenceTable::parse(text, "t.csv", names);
+    REQUIRE_FALSE(table.has_value());
+    CAPTURE(table.error().message);
+    CHECK(table.error().message.find(message) != std::string::npos);
+  }
 }
 
 TEST_CASE("what a problem file cannot mean is refused with its place", "[verifier][study]") {
@@ -259,13 +285,13 @@ TEST_CASE("what a problem file cannot mean is refused with its place", "[verifie
 
 TEST_CASE("an expression may name values of bodies where it is told so", "[verifier][study]") {
   if (!has_expressions()) return;
-  using verifier::Expression;
-  using verifier::ExpressionNames;
-  CHECK_FALSE(Expression::parse("bodies.0.x", "test").has_value());
-  CHECK_FALSE(Expression::parse("bodies.0.z", "test", ExpressionNames::world_and_parts).has_value());
-  CHECK_FALSE(Expression::parse("bodies.x", "test", ExpressionNames::world_and_parts).has_value());
-  CHECK_FALSE(Expression::parse("energy", "test", ExpressionNames::time).has_value());
-  auto time = Expression::parse("2*t + 0.5", "test", ExpressionNames::time);
+  using tool::Expression;
+  using tool::ExpressionNames;
+  CHECK_FALSE(tool::Expression::parse("bodies.0.x", "test").has_value());
+  CHECK_FALSE(tool::Expression::parse("bodies.0.z", "test", tool::ExpressionNames::world_and_parts).has_value());
+  CHECK_FALSE(tool::Expression::parse("bodies.x", "test", tool::ExpressionNames::world_and_parts).has_value());
+  CHECK_FALSE(tool::Expression::parse("energy", "test", tool::ExpressionNames::time).has_value());
+  auto time = tool::Expression::parse("2*t + 0.5", "test", tool::ExpressionNames::time);
   REQUIRE(time.has_value());
   CHECK(time->evaluate_at(3) == 6.5);
 }
@@ -274,12 +300,12 @@ TEST_CASE("an expression may name values of bodies where it is told so", "[verif
 
 namespace {
 
-Result<std::vector<verifier::StressCase>> read_stress(const std::string& json) {
+Result<std::vector<tool::StressCase>> read_stress(const std::string& json) {
   const TemporaryFolder folder;
   write_text(folder.file("s.json"), json);
-  return verifier::read_stress_file(folder.file("s.json"));
+  return tool::read_stress_file(folder.file("s.json"));
 }
-std::vector<verifier::StressCase> stress_of(const std::string& json) {
+std::vector<tool::StressCase> stress_of(const std::string& json) {
   auto cases = read_stress(json);
   INFO((cases ? "" : cases.error().message));
   REQUIRE(cases.has_value());
@@ -287,7 +313,7 @@ std::vector<verifier::StressCase> stress_of(const std::string& json) {
 }
 /// The value of the scene with its own settings.
 double stress_value(const std::string& json) {
-  const std::vector<verifier::StressCase> cases = stress_of(json);
+  const std::vector<tool::StressCase> cases = stress_of(json);
   REQUIRE(cases.size() == 1);
   return cases[0].run(cases[0].methods[0], Precision::f64).value;
 }
@@ -296,39 +322,39 @@ double stress_value(const std::string& json) {
 
 TEST_CASE("the example of a stress case shows what a load does", "[verifier][study]") {
   if (!has_expressions()) return;
-  verifier::StressOptions options;
-  options.own = stress_of(verifier::example_stress);
-  const auto rows = verifier::run_stress(options);
+  tool::StressOptions options;
+  options.own = stress_of(tool::example_stress);
+  const auto rows = tool::run_stress(options);
   REQUIRE(rows.has_value());
   REQUIRE(rows->size() == 9);  // three loads with three methods, and no built-in case
   CHECK((*rows)[0].name == "loaded bodies.5.shapes.0.density=1");
-  CHECK((*rows)[0].verdict == verifier::StudyVerdict::pass);
-  CHECK((*rows)[6].verdict == verifier::StudyVerdict::pass);
-  CHECK((*rows)[7].verdict == verifier::StudyVerdict::not_judged);
+  CHECK((*rows)[0].verdict == tool::StudyVerdict::pass);
+  CHECK((*rows)[6].verdict == tool::StudyVerdict::pass);
+  CHECK((*rows)[7].verdict == tool::StudyVerdict::not_judged);
 }
 
 TEST_CASE("no other method excuses a failure in a stress file", "[verifier][study]") {
   if (!has_expressions()) return;
   const auto verdicts = [](const std::string& more) {
-    verifier::StressOptions options;
+    tool::StressOptions options;
     options.own = stress_of(R"({"scene": "stack?boxes=5&substeps=4", "vary": "bodies.5.shapes.0.density=1000",
         "duration": 3, "from": 2, "measure": "overlap", "upper": 0.05)" +
                             more + "}");
-    const auto rows = verifier::run_stress(options);
+    const auto rows = tool::run_stress(options);
     REQUIRE(rows.has_value());
-    std::vector<std::pair<std::string, verifier::StudyVerdict>> out;
-    for (const verifier::StressRow& row : *rows) out.emplace_back(row.method, row.verdict);
+    std::vector<std::pair<std::string, tool::StudyVerdict>> out;
+    for (const tool::StressRow& row : *rows) out.emplace_back(row.method, row.verdict);
     return out;
   };
-  using verifier::StudyVerdict;
+  using tool::StudyVerdict;
   const auto all = verdicts("");
-  CHECK(all[0] == std::pair{std::string("scene"), StudyVerdict::fail});
+  CHECK(all[0] == std::pair{std::string("scene"), tool::StudyVerdict::fail});
   for (std::size_t i = 1; i < all.size(); ++i)  // what passes passes, nothing else fails
-    CHECK((all[i].second == StudyVerdict::pass || all[i].second == StudyVerdict::not_judged));
+    CHECK((all[i].second == tool::StudyVerdict::pass || all[i].second == tool::StudyVerdict::not_judged));
   const auto both = verdicts(R"(, "methods": ["scene", "tgs_soft auto"])");
   REQUIRE(both.size() == 2);
-  CHECK(both[0].second == StudyVerdict::fail);
-  CHECK(both[1].second == StudyVerdict::pass);
+  CHECK(both[0].second == tool::StudyVerdict::fail);
+  CHECK(both[1].second == tool::StudyVerdict::pass);
 }
 
 TEST_CASE("the largest, the least and the last value of a run count as the file says", "[verifier][study][analytic]") {
@@ -353,7 +379,7 @@ TEST_CASE("values at the start may be named, keys vary in every combination", "[
   REQUIRE(cases.size() == 6);
   CHECK(cases[0].name == "p settings.dt=0.01 bodies.1.angular_velocity=1");
   CHECK(cases[5].name == "p settings.dt=0.02 bodies.1.angular_velocity=2");
-  const verifier::StressValue value = cases[0].run(cases[0].methods[0], Precision::f64);
+  const tool::StressValue value = cases[0].run(cases[0].methods[0], Precision::f64);
   CHECK(value.why_not.empty());
   CHECK(value.is_finite);
 }
@@ -423,17 +449,17 @@ TEST_CASE("the JSON Schemas of problems and stress cases have the keys of their 
   };
   CHECK(reader_keys(stress_refusal(R"({"?":0})")) == keys_of(stress["properties"]));
   const std::set<std::string> overs = stress["properties"]["over"]["enum"];
-  json wrong = json::parse(verifier::example_stress);
+  json wrong = json::parse(tool::example_stress);
   wrong["over"] = "?";
   for (const std::string& name : overs) CHECK(stress_refusal(wrong.dump()).find(name) != std::string::npos);
   CHECK(overs.size() == 3);
   // The reader requires the keys that the schema requires, and no others.
   const std::set<std::string> of_problem = problem["required"], of_stress = stress["required"];
-  for_each_lack(verifier::example_problem, [&](const std::string& key, const std::string& text) {
+  for_each_lack(tool::example_problem, [&](const std::string& key, const std::string& text) {
     CAPTURE(key);
     CHECK((refusal(text) != "") == (of_problem.count(key) == 1 || key == "exact"));
   });
-  for_each_lack(verifier::example_stress, [&](const std::string& key, const std::string& text) {
+  for_each_lack(tool::example_stress, [&](const std::string& key, const std::string& text) {
     CAPTURE(key);
     CHECK((stress_refusal(text) != "") == (of_stress.count(key) == 1 || key == "upper"));
   });
@@ -444,7 +470,7 @@ TEST_CASE("the JSON Schemas of problems and stress cases have the keys of their 
     text[key] = value;
     return refusal(text.dump()).find(key + ": ") != std::string::npos;
   };
-  const json whole = json::parse(verifier::example_problem);
+  const json whole = json::parse(tool::example_problem);
   CHECK(refuses(whole, "samples", samples["minimum"].get<int>() - 1));
   CHECK(refuses(whole, "samples", samples["maximum"].get<int>() + 1));
 }

@@ -122,7 +122,7 @@ const char* rube_folder() {
 }
 
 Scene rube_scene(const std::string& folder, const std::string& name) {
-  const auto import = verifier::import_rube(text_of(folder + "/" + name + ".json"), name, name);
+  const auto import = tool::import_rube(text_of(folder + "/" + name + ".json"), name, name);
   INFO((import ? "" : import.error().message));
   REQUIRE(import.has_value());
   return import->scene;
@@ -195,8 +195,8 @@ TEST_CASE("recordings of the editor's scenes verify by replay and by restore", "
 
 TEST_CASE("the editor's scenes end in Box2D as they do here, at rest and driven", "[verifier][real_scenes][.rube]") {
   const char* folder = rube_folder();
-  SKIP_UNLESS(folder != nullptr && !verifier::box2d_version().empty(), "no folder of real scenes, or no Box2D");
-  verifier::CrosscheckOptions options;
+  SKIP_UNLESS(folder != nullptr && !tool::box2d_version().empty(), "no folder of real scenes, or no Box2D");
+  tool::CrosscheckOptions options;
   options.seconds = 10;
   options.thread_count = 2;
   for (const std::string& name : rube_names)
@@ -210,18 +210,18 @@ TEST_CASE("the editor's scenes end in Box2D as they do here, at rest and driven"
       }
       if (speed != 0 && !has_motor) continue;
       CAPTURE(name, speed);
-      const auto report = verifier::crosscheck(scene, options);
+      const auto report = tool::crosscheck(scene, options);
       REQUIRE(report.has_value());
-      for (const verifier::CriterionResult& row : report->rows) {
+      for (const tool::CriterionResult& row : report->rows) {
         CAPTURE(row.criterion, row.difference, row.tolerance, row.unit, row.reason);
         // A known shortfall, not an expected difference (docs/crosscheck.md). The bike begins 3.6 cm inside the ground,
         // and the walker yields with 4 substeps. Both rest up to 4.5 cm from Box2D's places. The limit of 5 cm keeps
         // the shortfall from growing.
         const bool falls_short = name == "bike" || name == "walker";
-        if (row.criterion == verifier::place_criterion && falls_short && row.verdict == verifier::Agreement::differ)
+        if (row.criterion == tool::place_criterion && falls_short && row.verdict == tool::Agreement::differ)
           CHECK(row.difference < 0.05);
-        else if (row.criterion == verifier::place_criterion || row.criterion == verifier::distance_criterion)
-          CHECK(row.verdict != verifier::Agreement::differ);
+        else if (row.criterion == tool::place_criterion || row.criterion == tool::distance_criterion)
+          CHECK(row.verdict != tool::Agreement::differ);
         CHECK(row.criterion != "scene");  // the row of a scene that Box2D does not support
       }
     }

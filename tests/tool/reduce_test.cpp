@@ -201,7 +201,7 @@ TEST_CASE("a session that begins with a later state goes on as the whole one", "
                     input_of(24, InputKind::impulse, 5, {-2, 1})};
   const auto run = [](const SoakCase& some, std::uint64_t tick_count) {
     auto made = *engine::make_engine(some.scene);
-    const verifier::soak::CaseInputs inputs(some);
+    const soak::CaseInputs inputs(some);
     for (std::uint64_t tick = 0; tick < tick_count; ++tick) {
       REQUIRE(made->accept(inputs.at(tick)));
       REQUIRE(made->step(inputs.at(tick), nullptr));
@@ -465,14 +465,14 @@ TEST_CASE("programs are judged by their report, their exit code or their crash",
 }
 
 TEST_CASE("expressions measure a world, before the first tick too", "[verifier][reduce][analytic]") {
-  const auto parsed = verifier::Expression::parse("1", "--expect");
+  const auto parsed = tool::Expression::parse("1", "--expect");
   if (!parsed) {
     CHECK(parsed.error().code == ErrorCode::unsupported);
     return;
   }
   const auto made = *engine::make_engine(columns_of_boxes(2, 10).scene);
   const auto value = [&](const std::string& text) {
-    auto expression = verifier::Expression::parse(text, "--expect");
+    auto expression = tool::Expression::parse(text, "--expect");
     REQUIRE(expression);
     expression->begin(*made);
     for (int tick = 0; tick < 10; ++tick) REQUIRE(made->step({1.0 / 60, {}}, nullptr));
@@ -485,7 +485,7 @@ TEST_CASE("expressions measure a world, before the first tick too", "[verifier][
   CHECK(value("speed_max > 1e9") == 0);
   for (const char* wrong : {"energy = 5", "enrgy < 5", "energy <", "energy, tick", ""}) {
     CAPTURE(wrong);
-    const auto refused = verifier::Expression::parse(wrong, "--expect");
+    const auto refused = tool::Expression::parse(wrong, "--expect");
     REQUIRE_FALSE(refused);
     CHECK(refused.error().code == ErrorCode::usage);
     CHECK(refused.error().message.find("--expect") == 0);
@@ -494,9 +494,9 @@ TEST_CASE("expressions measure a world, before the first tick too", "[verifier][
 
 TEST_CASE("an expectation that is broken at first is refused, one that breaks later is reduced",
           "[verifier][reduce][analytic]") {
-  if (!verifier::Expression::parse("1", "--expect")) return;
+  if (!tool::Expression::parse("1", "--expect")) return;
   const auto expects = [](const std::string& text) {
-    return broken_expectation(*verifier::Expression::parse(text, "--expect"), engine::make_engine);
+    return broken_expectation(*tool::Expression::parse(text, "--expect"), engine::make_engine);
   };
   SoakCase session = columns_of_boxes(20, 60);
   session.inputs.push_back(input_of(30, InputKind::impulse, 50, {9, 0}));
@@ -513,7 +513,7 @@ TEST_CASE("an expectation that is broken at first is refused, one that breaks la
 }
 
 TEST_CASE("inputs that are needed at different ticks move together", "[verifier][reduce][analytic]") {
-  if (!verifier::Expression::parse("1", "--expect")) return;
+  if (!tool::Expression::parse("1", "--expect")) return;
   SoakCase session = columns_of_boxes(5, 90);
   session.scene.inputs = {InputKind::spawn, InputKind::impulse};
   session.scene.prototypes.push_back(unit_box({}));
@@ -524,7 +524,7 @@ TEST_CASE("inputs that are needed at different ticks move together", "[verifier]
                    [](const Input& a, const Input& b) { return a.tick < b.tick; });
   for (std::size_t i = 0; i < session.inputs.size(); ++i) session.inputs[i].sequence = static_cast<std::uint32_t>(i);
   const auto predicate =
-      broken_expectation(*verifier::Expression::parse("bodies < bodies_start + 3", "--expect"), engine::make_engine);
+      broken_expectation(*tool::Expression::parse("bodies < bodies_start + 3", "--expect"), engine::make_engine);
   const auto result = reduce::reduce(session, *predicate, options_of());
   REQUIRE(result);
   CHECK(result->smallest.inputs.size() == 3);

@@ -24,11 +24,11 @@ namespace ticktrue::test {
 namespace {
 
 using Json = nlohmann::json;
-using verifier::Animation;
-using verifier::Frame;
-using verifier::Page;
+using tool::Animation;
+using tool::Frame;
+using tool::Page;
+using tool::TickMatch;
 using verifier::Report;
-using verifier::TickMatch;
 
 constexpr const char* hostile_name = "</script><img src=x onerror=alert(1)><!--\"'&{{js}}";
 
@@ -53,11 +53,11 @@ void record_scene(const Scene& scene, const std::string& path, const Recording& 
   const auto made = engine::make_engine(scene);
   INFO((made ? "" : made.error().message));
   REQUIRE(made.has_value());
-  verifier::TraceChoices choices;
+  tool::TraceChoices choices;
   choices.detail = recording.detail;
   if (recording.detail == replay::Detail::full) choices.full_last = std::numeric_limits<std::uint64_t>::max();
   choices.checkpoint_interval = recording.checkpoint_interval;
-  const replay::TraceSetup setup = verifier::make_trace_setup(**made, choices);
+  const replay::TraceSetup setup = tool::make_trace_setup(**made, choices);
   replay::NoInputs inputs(scene.settings.dt);
   replay::RecordOptions options;
   options.tick_count = recording.tick_count;
@@ -73,12 +73,12 @@ Report verify_file(const std::string& path) {
   auto reader = replay::TraceReader::open(path);
   if (!reader) return verifier::open_error_report(path, reader.error());
   verifier::VerifyOptions options;
-  options.simulation = verifier::find_simulation(reader->setup().simulation);
+  options.simulation = tool::find_simulation(reader->setup().simulation);
   return verifier::verify(*reader, options);
 }
 
-Page page_of(const std::string& path, const verifier::PageOptions& options = {}) {
-  const auto page = verifier::make_report_page(verify_file(path), options);
+Page page_of(const std::string& path, const tool::PageOptions& options = {}) {
+  const auto page = tool::make_report_page(verify_file(path), options);
   REQUIRE(page.has_value());
   return *page;
 }
@@ -95,14 +95,14 @@ std::size_t occurrences_of(const std::string& text, const std::string& part) {
   return count;
 }
 
-Animation animation_of(const std::string& path, const verifier::AnimationOptions& options) {
+Animation animation_of(const std::string& path, const tool::AnimationOptions& options) {
   auto reader = replay::TraceReader::open(path);
   REQUIRE(reader.has_value());
-  return verifier::make_animation(*reader, options);
+  return tool::make_animation(*reader, options);
 }
 
-verifier::AnimationOptions animation_options() {
-  verifier::AnimationOptions options;
+tool::AnimationOptions animation_options() {
+  tool::AnimationOptions options;
   options.simulation = &engine::engine_info();
   return options;
 }
@@ -143,30 +143,30 @@ TEST_CASE("report page: the same trace gives the same bytes", "[verifier][report
   const TemporaryFolder folder;
   record_scene(falling_boxes(5), folder.file("a.ttr"), {60, 20, Fault{30, 3, 22}});
   record_scene(falling_boxes(5), folder.file("b.ttr"), {60, 20});
-  verifier::PageOptions options;
+  tool::PageOptions options;
   options.against = folder.file("b.ttr");
   CHECK(page_of(folder.file("a.ttr")).html == page_of(folder.file("a.ttr")).html);
   CHECK(page_of(folder.file("a.ttr"), options).html == page_of(folder.file("a.ttr"), options).html);
 }
 
 TEST_CASE("report page: text and JSON are escaped", "[verifier][report_html][analytic]") {
-  CHECK(verifier::html_text("<a href=\"x\">&'\x01\n") == "&lt;a href=&quot;x&quot;&gt;&amp;&#39;\\u0001\n");
-  const std::string safe = verifier::script_json(R"(["</script>","<!--","a&b"])");
+  CHECK(tool::html_text("<a href=\"x\">&'\x01\n") == "&lt;a href=&quot;x&quot;&gt;&amp;&#39;\\u0001\n");
+  const std::string safe = tool::script_json(R"(["</script>","<!--","a&b"])");
   CHECK(safe.find_first_of("<>&") == std::string::npos);
   CHECK(Json::parse(safe) == Json::array({"</script>", "<!--", "a&b"}));
 }
 
 /// Poses by [body][frame in which the body exists], coded as in tool/report_page/frame_coding.h.
-std::vector<std::vector<verifier::GridPose>> decode_frames(const verifier::CodedFrames& coded,
-                                                           const std::vector<std::uint64_t>& ticks_done) {
+std::vector<std::vector<tool::GridPose>> decode_frames(const tool::CodedFrames& coded,
+                                                       const std::vector<std::uint64_t>& ticks_done) {
   ByteReader in(coded.numbers);
-  std::vector<std::vector<verifier::GridPose>> poses;
-  for (const std::vector<verifier::BodyFrames>& parts : coded.presence) {
+  std::vector<std::vector<tool::GridPose>> poses;
+  for (const std::vector<tool::BodyFrames>& parts : coded.presence) {
     std::vector<double> ticks;
-    for (const verifier::BodyFrames& part : parts)
+    for (const tool::BodyFrames& part : parts)
       for (std::uint32_t i = 0; i < part.count; ++i) ticks.push_back(static_cast<double>(ticks_done[part.first + i]));
     auto& of_body = poses.emplace_back(ticks.size());
-    for (const auto lane : {&verifier::GridPose::x, &verifier::GridPose::y, &verifier::GridPose::angle})
+    for (const auto lane : {&tool::GridPose::x, &tool::GridPose::y, &tool::GridPose::angle})
       for (std::size_t i = 0; i < ticks.size(); ++i) {
         const auto value = [&](std::size_t back) { return static_cast<double>(of_body[i - back].*lane); };
         double predicted = i == 0 ? 0 : value(1);
@@ -185,7 +185,7 @@ std::vector<std::vector<verifier::GridPose>> decode_frames(const verifier::Coded
 
 TEST_CASE("report page: frames come back from their codes as they were on the grid",
           "[verifier][report_html][equivalence]") {
-  const verifier::PoseGrid grid{1.0 / 1024, 4096};
+  const tool::PoseGrid grid{1.0 / 1024, 4096};
   std::uint64_t state = 1;
   const auto random = [&](double range) {
     state = state * 6364136223846793005u + 1442695040888963407u;
@@ -193,7 +193,7 @@ TEST_CASE("report page: frames come back from their codes as they were on the gr
   };
   constexpr std::size_t body_count = 5;
   std::vector<Frame> frames;
-  std::vector<verifier::Pose> poses(body_count);
+  std::vector<tool::Pose> poses(body_count);
   std::uint64_t tick = 0;
   for (int f = 0; f < 200; ++f, tick += f % 50 < 40 ? 1 : 7) {
     Frame frame;
@@ -209,7 +209,7 @@ TEST_CASE("report page: frames come back from their codes as they were on the gr
     }
     frames.push_back(frame);
   }
-  const verifier::CodedFrames coded = verifier::code_frames(frames, body_count, grid);
+  const tool::CodedFrames coded = tool::code_frames(frames, body_count, grid);
   CHECK(coded.presence[1].size() == 3);
   std::vector<std::uint64_t> ticks;
   for (const Frame& frame : frames) ticks.push_back(frame.ticks_done);
@@ -218,15 +218,15 @@ TEST_CASE("report page: frames come back from their codes as they were on the gr
   std::vector<std::size_t> at(body_count, 0);
   bool same = true;
   for (const Frame& frame : frames)
-    for (const verifier::Pose& pose : frame.poses) {
-      const verifier::GridPose expected = to_grid(pose, grid);
+    for (const tool::Pose& pose : frame.poses) {
+      const tool::GridPose expected = to_grid(pose, grid);
       REQUIRE(at[pose.body] < decoded[pose.body].size());
-      const verifier::GridPose& got = decoded[pose.body][at[pose.body]++];
+      const tool::GridPose& got = decoded[pose.body][at[pose.body]++];
       same = same && got.x == expected.x && got.y == expected.y && got.angle == expected.angle;
     }
   CHECK(same);
-  CHECK(verifier::base64(Bytes{'M', 'a'}) == "TWE=");
-  CHECK(verifier::base64(Bytes{'M', 'a', 'n', 0xff}) == "TWFu/w==");
+  CHECK(tool::base64(Bytes{'M', 'a'}) == "TWE=");
+  CHECK(tool::base64(Bytes{'M', 'a', 'n', 0xff}) == "TWFu/w==");
 }
 
 TEST_CASE("report animation: poses are the engine's, and the strip says which ticks are as recorded",
@@ -235,7 +235,7 @@ TEST_CASE("report animation: poses are the engine's, and the strip says which ti
   const Scene scene = falling_boxes(4);
   const std::string path = folder.file("film.ttr");
   record_scene(scene, path, {60, 20, Fault{33, 3, 22}});
-  verifier::AnimationOptions options = animation_options();
+  tool::AnimationOptions options = animation_options();
   options.focus = 34;
   options.questions = {{"bodies", 3, 3, ""}};
   const Animation animation = animation_of(path, options);
@@ -277,7 +277,7 @@ TEST_CASE("report page: against another trace both are shown as they were record
   const TemporaryFolder folder;
   record_scene(falling_boxes(4), folder.file("a.ttr"), {60, 20});
   record_scene(falling_boxes(4), folder.file("b.ttr"), {60, 20, Fault{10, 3, 22}, replay::Detail::full});
-  verifier::PageOptions options;
+  tool::PageOptions options;
   options.against = folder.file("b.ttr");
   const Page page = page_of(folder.file("a.ttr"), options);
   const Json data = data_of(page);
@@ -297,8 +297,8 @@ TEST_CASE("report page: against another trace both are shown as they were record
   CHECK(playback["ghosts"]["ticks"].front() == 12);
   CHECK(playback["ghosts"]["ticks"].back() == 60);
   CHECK_FALSE(playback["drift"].is_null());
-  const auto refused = verifier::make_report_page(verify_file(folder.file("a.ttr")), [&] {
-    verifier::PageOptions none;
+  const auto refused = tool::make_report_page(verify_file(folder.file("a.ttr")), [&] {
+    tool::PageOptions none;
     none.against = folder.file("no.ttr");
     return none;
   }());
@@ -310,7 +310,7 @@ TEST_CASE("report page: of two equal traces the headline is that of the trace", 
   const TemporaryFolder folder;
   record_scene(falling_boxes(4), folder.file("a.ttr"), {30, 20});
   record_scene(falling_boxes(4), folder.file("b.ttr"), {30, 10, std::nullopt, replay::Detail::full});
-  verifier::PageOptions options;
+  tool::PageOptions options;
   options.against = folder.file("b.ttr");
   const Json data = data_of(page_of(folder.file("a.ttr"), options));
   CHECK(data["headline"]["verdict"] == "match");
@@ -334,7 +334,7 @@ TEST_CASE("report page: frames are left out until it fits, but for those around 
   const std::string path = folder.file("long.ttr");
   record_scene(falling_boxes(12), path, {1200, 200, Fault{600, 4, 20}});
   const std::size_t whole = page_of(path).html.size();
-  verifier::PageOptions options;
+  tool::PageOptions options;
   options.size_max = whole - 8'000;
   const Page page = page_of(path, options);
   CHECK(page.html.size() <= options.size_max);
@@ -359,7 +359,7 @@ TEST_CASE("report page: a minute of 200 bodies is below 5 MB, also twice", "[.sl
     record_scene(*scene, folder.file("a.ttr"), {3600, 600});
     record_scene(*scene, folder.file("b.ttr"), {3600, 600, Fault{500, 30, 22}});
     const Page page = page_of(folder.file("a.ttr"));
-    verifier::PageOptions options;
+    tool::PageOptions options;
     options.against = folder.file("b.ttr");
     const Page both = page_of(folder.file("a.ttr"), options);
     CAPTURE(name, page.html.size(), both.html.size());

@@ -22,7 +22,7 @@
 namespace ticktrue::test {
 namespace {
 
-using namespace verifier::soak;
+using namespace soak;
 using engine::CacheSet;
 using engine::Engine;
 using engine::EngineOptions;
@@ -567,7 +567,7 @@ TEST_CASE("names of checks are read with their numbers, and others are refused",
   REQUIRE(checks);
   CHECK(checks->has(CheckKind::cold));
   CHECK_FALSE(checks->has(CheckKind::trace));
-  CHECK(checks->only == std::vector<Variant>{{CheckKind::cold, 0}, {CheckKind::restore, 57}});
+  CHECK(checks->only == std::vector<soak::Variant>{{CheckKind::cold, 0}, {CheckKind::restore, 57}});
   for (const char* wrong : {"colder", "restore=", "restore=x", "cold=1", "restore=1x", ""}) {
     CAPTURE(wrong);
     CHECK_FALSE(parse_checks({wrong}));

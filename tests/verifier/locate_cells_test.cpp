@@ -247,9 +247,9 @@ Bytes engine_trace(const std::string& scene, replay::Detail detail, std::uint64_
   replay::RecordOptions options;
   options.tick_count = tick_count;
   options.writer = plain_writer();
-  verifier::TraceChoices choices;
+  tool::TraceChoices choices;
   choices.detail = detail;
-  REQUIRE(replay::record(**engine, inputs, folder.file("engine.ttr"), verifier::make_trace_setup(**engine, choices),
+  REQUIRE(replay::record(**engine, inputs, folder.file("engine.ttr"), tool::make_trace_setup(**engine, choices),
                          toy_facts, options));
   return read_file(folder.file("engine.ttr"));
 }

@@ -103,7 +103,7 @@ TEST_CASE("schema range: a joint kind that the recording build did not know keep
   REQUIRE(scene);
   const auto made = engine::make_engine(*scene);
   REQUIRE(made);
-  replay::TraceSetup setup = verifier::make_trace_setup(**made, {replay::Detail::cells, 0, 0, 20});
+  replay::TraceSetup setup = tool::make_trace_setup(**made, {replay::Detail::cells, 0, 0, 20});
   const auto joints = setup.schema.find_table("joints");
   REQUIRE(joints);
   bool is_narrowed = false;
@@ -128,7 +128,7 @@ TEST_CASE("schema range: a joint kind that the recording build did not know keep
   }
   // Seeking takes the checkpoint, not the way from the start.
   std::uint64_t first_shown = 0;
-  const auto played = verifier::play_trace(*reader, 45, 50, [&](const engine::Engine&, std::uint64_t tick) {
+  const auto played = tool::play_trace(*reader, 45, 50, [&](const engine::Engine&, std::uint64_t tick) {
     if (first_shown == 0) first_shown = tick;
     return true;
   });

@@ -341,8 +341,8 @@ TEST_CASE("a replay of a trace that is not ours ends before the tick that cannot
 }
 
 TEST_CASE("the animation of a recorded run ends at a tick that cannot be done", "[verifier][report][hostile]") {
-  using verifier::MatchRange;
-  using verifier::TickMatch;
+  using tool::MatchRange;
+  using tool::TickMatch;
   const auto strip_of = [](std::uint64_t possible) {
     ticks_possible = possible;
     chosen = {};
@@ -350,9 +350,9 @@ TEST_CASE("the animation of a recorded run ends at a tick that cannot be done", 
     chosen.first_limited = 1;
     const Bytes trace = toy_trace_with(toy_setup(6), 32, 8);
     replay::TraceReader reader = open_trace(trace);
-    verifier::AnimationOptions options;
+    tool::AnimationOptions options;
     options.simulation = &chosen_info;
-    return verifier::make_animation(reader, options).match_ranges;
+    return tool::make_animation(reader, options).match_ranges;
   };
   const auto known_ticks = [](const std::vector<MatchRange>& strip) {
     std::uint64_t count = 0;
@@ -390,8 +390,8 @@ constexpr const char* too_many = ": pairs of shapes near each other: found more 
 
 TEST_CASE("a measured run is an error in the tick that cannot be done, and stays one", "[verifier][study][hostile]") {
   const Scene scene = coming_together();
-  auto all = verifier::Run::make(scene, few_pairs());
-  auto one_by_one = verifier::Run::make(scene, few_pairs());
+  auto all = tool::Run::make(scene, few_pairs());
+  auto one_by_one = tool::Run::make(scene, few_pairs());
   REQUIRE(all.has_value());
   REQUIRE(one_by_one.has_value());
   const Status advanced = all->advance(60);
@@ -431,14 +431,14 @@ TEST_CASE("an adaptive clock that tries a tick that cannot be done is an error a
   const TemporaryFolder folder;
   const std::string path = folder.file("adaptive.ttr");
   const auto again = make_engine_or_fail(scene, few_pairs());
-  auto frames = verifier::open_host("steady_60", 1);
+  auto frames = tool::open_host("steady_60", 1);
   REQUIRE(frames.has_value());
-  verifier::ClockedInputs source(*again, std::make_unique<replay::NoInputs>(scene.settings.dt), *std::move(frames));
+  tool::ClockedInputs source(*again, std::make_unique<replay::NoInputs>(scene.settings.dt), *std::move(frames));
   replay::RecordOptions options;
   options.tick_count = 200;
   options.writer = plain_writer();
-  const auto result = replay::record(*again, source, path, verifier::make_trace_setup(*again, {}),
-                                     verifier::make_build_facts(), options);
+  const auto result =
+      replay::record(*again, source, path, tool::make_trace_setup(*again, {}), tool::make_build_facts(), options);
   REQUIRE_FALSE(result.has_value());
   CHECK(contains(result.error().message, too_many));
   const ReadTrace read = read_all(read_file(path));
@@ -448,10 +448,10 @@ TEST_CASE("an adaptive clock that tries a tick that cannot be done is an error a
 }
 
 TEST_CASE("a stress case whose tick cannot be done fails", "[verifier][study][hostile]") {
-  verifier::StressCase stress_case;
+  tool::StressCase stress_case;
   stress_case.upper = 1;
-  CHECK(verifier::judge(stress_case, {0.5, true, {}, {}}) == verifier::StudyVerdict::pass);
-  CHECK(verifier::judge(stress_case, {0.5, true, {}, "tick 3: too many"}) == verifier::StudyVerdict::fail);
+  CHECK(tool::judge(stress_case, {0.5, true, {}, {}}) == tool::StudyVerdict::pass);
+  CHECK(tool::judge(stress_case, {0.5, true, {}, "tick 3: too many"}) == tool::StudyVerdict::fail);
 }
 
 TEST_CASE("a scene whose shapes come together records up to the tick that has too many pairs",
@@ -465,8 +465,8 @@ TEST_CASE("a scene whose shapes come together records up to the tick that has to
   replay::RecordOptions options;
   options.tick_count = 60;
   options.writer = plain_writer();
-  const auto result = replay::record(*engine, source, path, verifier::make_trace_setup(*engine, {}),
-                                     verifier::make_build_facts(), options);
+  const auto result =
+      replay::record(*engine, source, path, tool::make_trace_setup(*engine, {}), tool::make_build_facts(), options);
   REQUIRE_FALSE(result.has_value());
   CHECK(contains(result.error().message, too_many));
   const Bytes trace = read_file(path);
@@ -480,7 +480,7 @@ TEST_CASE("a scene whose shapes come together records up to the tick that has to
   }
   // A session without a trace ends in the same tick.
   const auto again = make_engine_or_fail(scene, few);
-  const auto run = verifier::run_session(*again, source, 60, {});
+  const auto run = tool::run_session(*again, source, 60, {});
   REQUIRE_FALSE(run.has_value());
   CHECK(run.error().message == result.error().message);
   CHECK(run.error().code == ErrorCode::limit);

@@ -14,7 +14,7 @@
 namespace ticktrue::test {
 namespace {
 
-using namespace verifier::soak;
+using namespace soak;
 using engine::ContactReport;
 using engine::Engine;
 using engine::Joint;

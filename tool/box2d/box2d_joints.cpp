@@ -12,7 +12,7 @@
 
 #include "engine/math/trig.h"
 
-namespace ticktrue::verifier {
+namespace ticktrue::tool {
 namespace {
 
 using engine::JointKind;
@@ -408,6 +408,6 @@ Status Box2dJoints::add(const engine::Joint& joint, b2Body* a, b2Body* b, const 
   return {};
 }
 
-}  // namespace ticktrue::verifier
+}  // namespace ticktrue::tool
 
 #endif

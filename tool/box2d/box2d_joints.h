@@ -11,7 +11,7 @@
 #include "engine/scene/scene.h"
 #include "tool/box2d/box2d_units.h"
 
-namespace ticktrue::verifier {
+namespace ticktrue::tool {
 
 /// The joints of a scene in a Box2D world.
 class Box2dJoints {
@@ -48,4 +48,4 @@ class Box2dJoints {
   b2Body* anchorage_ = nullptr;      // made when first needed
 };
 
-}  // namespace ticktrue::verifier
+}  // namespace ticktrue::tool

@@ -4,7 +4,7 @@
 
 #if !defined(TICKTRUE_HAS_BOX2D)
 
-namespace ticktrue::verifier {
+namespace ticktrue::tool {
 
 Result<std::unique_ptr<Box2dPeer>> make_box2d_peer(const engine::Scene&, const Box2dOptions&) {
   return Error{ErrorCode::unsupported, "Box2D: not in this build: found none, expected 2.4.1",
@@ -15,7 +15,7 @@ std::string box2d_version() {
   return {};
 }
 
-}  // namespace ticktrue::verifier
+}  // namespace ticktrue::tool
 
 #else
 
@@ -34,7 +34,7 @@ std::string box2d_version() {
 #include "tool/box2d/box2d_units.h"
 #include "tool/box2d/length_scale.h"
 
-namespace ticktrue::verifier {
+namespace ticktrue::tool {
 namespace {
 
 using engine::BodyReport;
@@ -346,6 +346,6 @@ std::string box2d_version() {
   return fmt::format("{}.{}.{}", b2_version.major, b2_version.minor, revision);
 }
 
-}  // namespace ticktrue::verifier
+}  // namespace ticktrue::tool
 
 #endif

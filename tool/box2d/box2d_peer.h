@@ -11,7 +11,7 @@
 #include "engine/engine.h"
 #include "engine/scene/scene.h"
 
-namespace ticktrue::verifier {
+namespace ticktrue::tool {
 
 struct Box2dOptions {
   int velocity_iterations = 8;  // Box2D's recommendation
@@ -63,4 +63,4 @@ Result<std::unique_ptr<Box2dPeer>> make_box2d_peer(const engine::Scene& scene, c
 /// "2.4.1"; empty in a build without Box2D.
 std::string box2d_version();
 
-}  // namespace ticktrue::verifier
+}  // namespace ticktrue::tool

@@ -16,7 +16,7 @@
 #include "engine/scene/hull.h"
 #include "tool/box2d/length_scale.h"
 
-namespace ticktrue::verifier {
+namespace ticktrue::tool {
 namespace {
 
 using engine::BodyType;
@@ -196,6 +196,6 @@ Status add_box2d_shape(b2Body* body, const engine::Body& description, const Shap
   return {};
 }
 
-}  // namespace ticktrue::verifier
+}  // namespace ticktrue::tool
 
 #endif

@@ -8,7 +8,7 @@
 #include "tool/box2d/box2d_peer.h"
 #include "tool/box2d/box2d_units.h"
 
-namespace ticktrue::verifier {
+namespace ticktrue::tool {
 
 /// Whether a shape of a dynamic body is so thin that its skin would dominate. A thin shape gets the skin of
 /// Box2dOptions::match_skin.
@@ -21,4 +21,4 @@ Status add_box2d_shape(b2Body* body, const engine::Body& description, const engi
                        double restitution_threshold, const Box2dOptions& options, const Box2dUnits& units,
                        const std::string& place);
 
-}  // namespace ticktrue::verifier
+}  // namespace ticktrue::tool

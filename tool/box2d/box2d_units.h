@@ -6,7 +6,7 @@
 
 #include "engine/scene/scene.h"
 
-namespace ticktrue::verifier {
+namespace ticktrue::tool {
 
 /// Box2D lengths are scene lengths times `scale`.
 struct Box2dUnits {
@@ -20,4 +20,4 @@ struct Box2dUnits {
   }
 };
 
-}  // namespace ticktrue::verifier
+}  // namespace ticktrue::tool

@@ -7,7 +7,7 @@
 #include <cstddef>
 #include <vector>
 
-namespace ticktrue::verifier {
+namespace ticktrue::tool {
 namespace {
 
 using engine::BodyType;
@@ -58,4 +58,4 @@ double choose_length_scale(const engine::Scene& scene) {
   return scale;
 }
 
-}  // namespace ticktrue::verifier
+}  // namespace ticktrue::tool

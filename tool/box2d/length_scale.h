@@ -4,7 +4,7 @@
 
 #include "engine/scene/scene.h"
 
-namespace ticktrue::verifier {
+namespace ticktrue::tool {
 
 /// Larger coordinates, in Box2D m, are too far out for Box2D's floats: a float resolves 2 mm here.
 inline constexpr double box2d_coordinate_max_m = 2e4;
@@ -16,4 +16,4 @@ double extent_of(const engine::Shape& shape);
 /// into the range that Box2D is tuned for, 0.1 m to 10 m.
 double choose_length_scale(const engine::Scene& scene);
 
-}  // namespace ticktrue::verifier
+}  // namespace ticktrue::tool

@@ -10,7 +10,7 @@
 #include "engine/json/json_tree.h"
 #include "verifier/runs/child.h"
 
-namespace ticktrue::verifier {
+namespace ticktrue::tool {
 namespace {
 
 constexpr double body_size_estimate = 90;  // bytes of a body in the answer of a tick
@@ -40,15 +40,15 @@ Result<Box2d3Answer> run_answer_program(const std::string& name, const std::vect
                                         const Box2d3Plan& plan) {
   if (const Status fits = check_answer_size(name, scene, options, plan); !fits) return fits.error();
   const std::string program = std::filesystem::path(argv.front()).filename().string();
-  ChildCommand command;
+  verifier::ChildCommand command;
   command.argv = argv;
   command.environment = {{"NODE_OPTIONS", std::nullopt}};
   command.limits.time_s = options.time_max_s;
   command.limits.output_size_max = options.answer_size_max;
   command.limits.printed_size_max = options.answer_size_max + command.limits.message_size_max;
-  const ChildResult ran = run_child(command);
+  const verifier::ChildResult ran = run_child(command);
   if (const std::string failure = child_failure(ran, command.limits); !failure.empty()) {
-    const bool is_missing = ran.end.how == ChildEnd::How::not_started;
+    const bool is_missing = ran.end.how == verifier::ChildEnd::How::not_started;
     return Error{is_missing ? ErrorCode::usage : ErrorCode::io, fmt::format("{}: {} {}", name, program, failure),
                  first_message_line(ran.message)};
   }
@@ -59,4 +59,4 @@ Result<Box2d3Answer> run_answer_program(const std::string& name, const std::vect
   return read_box2d3_answer(ran.output, scene, plan, fmt::format("{}: the answer of {}", name, program));
 }
 
-}  // namespace ticktrue::verifier
+}  // namespace ticktrue::tool

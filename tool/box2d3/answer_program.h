@@ -9,7 +9,7 @@
 #include "engine/scene/scene.h"
 #include "tool/box2d3/box2d3_answer.h"
 
-namespace ticktrue::verifier {
+namespace ticktrue::tool {
 
 /// `name` begins messages. `argv`: the program first. Errors: limit (the answer would be too large; nothing was run),
 /// usage (the program cannot be started), io (it fails, hangs or prints too much), corrupt (its answer), unsupported
@@ -18,4 +18,4 @@ Result<Box2d3Answer> run_answer_program(const std::string& name, const std::vect
                                         const engine::Scene& scene, const Box2d3Options& options,
                                         const Box2d3Plan& plan);
 
-}  // namespace ticktrue::verifier
+}  // namespace ticktrue::tool

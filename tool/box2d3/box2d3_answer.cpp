@@ -12,7 +12,7 @@
 
 #include "engine/json/json_tree.h"
 
-namespace ticktrue::verifier {
+namespace ticktrue::tool {
 namespace {
 
 using nlohmann::json;
@@ -226,4 +226,4 @@ Result<Box2d3Answer> read_box2d3_answer(std::string_view text, const engine::Sce
   return answer;
 }
 
-}  // namespace ticktrue::verifier
+}  // namespace ticktrue::tool

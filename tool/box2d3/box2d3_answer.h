@@ -12,7 +12,7 @@
 #include "engine/scene/scene.h"
 #include "tool/box2d3/box2d3_scene.h"
 
-namespace ticktrue::verifier {
+namespace ticktrue::tool {
 
 /// A body that is not static, after a tick. Box2D's units.
 struct Box2d3Body {
@@ -52,4 +52,4 @@ struct Box2d3Answer {
 Result<Box2d3Answer> read_box2d3_answer(std::string_view text, const engine::Scene& scene, const Box2d3Plan& plan,
                                         const std::string& from = "box2d3: the answer of node");
 
-}  // namespace ticktrue::verifier
+}  // namespace ticktrue::tool

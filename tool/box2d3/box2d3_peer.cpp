@@ -20,7 +20,7 @@
 #include "verifier/runs/data_file.h"
 #include "verifier/runs/run_folder.h"
 
-namespace ticktrue::verifier {
+namespace ticktrue::tool {
 namespace {
 
 namespace fs = std::filesystem;
@@ -82,16 +82,16 @@ Result<std::unique_ptr<Box2d3Peer>> make_box2d3_peer(const engine::Scene& scene,
   const Result<std::string> text = box2d3_scene_text(scene, options, plan, scale);
   if (!text) return text.error();
 
-  const Result<RunFolder> files = RunFolder::make("ticktrue-box2d3", "");
+  const Result<verifier::RunFolder> files = verifier::RunFolder::make("ticktrue-box2d3", "");
   if (!files) return files.error();
   const std::string script_path = files->path() + "/peer.mjs";
   const std::string scene_path = files->path() + "/scene.json";
   std::vector<std::string> argv{place->program, scene_path};
   if (place->program.empty()) {
-    if (const Status written = write_data_file(script_path, box2d3_script); !written) return written.error();
+    if (const Status written = verifier::write_data_file(script_path, box2d3_script); !written) return written.error();
     argv = {"node", script_path, place->folder, scene_path};
   }
-  if (const Status written = write_data_file(scene_path, *text); !written) return written.error();
+  if (const Status written = verifier::write_data_file(scene_path, *text); !written) return written.error();
 
   Result<Box2d3Answer> answer = run_answer_program("box2d3", argv, scene, options, plan);
   if (!answer && answer.error().code == ErrorCode::usage)
@@ -112,12 +112,12 @@ Result<std::string> box2d3_version() {
   const Result<std::string> package = is_node ? package_version(place->folder) : Result<std::string>(std::string());
   if (!package) return package.error();
   const std::string program = is_node ? "node" : place->program;
-  ChildCommand command;
+  verifier::ChildCommand command;
   command.argv = {program, "--version"};
   command.environment = {{"NODE_OPTIONS", std::nullopt}};
   command.limits.time_s = 60;
   command.limits.output_size_max = 4096;
-  const ChildResult ran = run_child(command);
+  const verifier::ChildResult ran = run_child(command);
   if (const std::string failure = child_failure(ran, command.limits); !failure.empty())
     return no_box2d3(program + " " + failure);
   if (ran.end.exit_status != 0)
@@ -126,4 +126,4 @@ Result<std::string> box2d3_version() {
   return fmt::format("3 (native {})", engine::shortened(std::string_view(ran.output).substr(0, ran.output.find('\n'))));
 }
 
-}  // namespace ticktrue::verifier
+}  // namespace ticktrue::tool

@@ -10,7 +10,7 @@
 #include "tool/box2d/box2d_peer.h"
 #include "tool/box2d3/box2d3_scene.h"
 
-namespace ticktrue::verifier {
+namespace ticktrue::tool {
 
 /// The environment variable that names ticktrue_box2d3, or the folder with node_modules/box2d3-wasm. Without the
 /// variable, ticktrue_box2d3 beside this program is used.
@@ -37,4 +37,4 @@ bool box2d3_runs_in_node();
 /// "3 (box2d3-wasm 5.2.0)", "3 (native 3.2.0)". Errors: usage (no node, no package, no program).
 Result<std::string> box2d3_version();
 
-}  // namespace ticktrue::verifier
+}  // namespace ticktrue::tool

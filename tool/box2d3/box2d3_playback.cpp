@@ -11,7 +11,7 @@
 #include "engine/math/trig.h"
 #include "engine/scene/hull.h"
 
-namespace ticktrue::verifier {
+namespace ticktrue::tool {
 namespace {
 
 using engine::BodyReport;
@@ -123,4 +123,4 @@ std::unique_ptr<Box2d3Peer> play_back(const engine::Scene& scene, const Box2d3Pl
   return std::make_unique<Box2d3Playback>(scene, plan, length_scale, std::move(answer));
 }
 
-}  // namespace ticktrue::verifier
+}  // namespace ticktrue::tool

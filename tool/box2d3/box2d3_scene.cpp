@@ -14,7 +14,7 @@
 #include "engine/scene/hull.h"
 #include "tool/box2d/length_scale.h"
 
-namespace ticktrue::verifier {
+namespace ticktrue::tool {
 namespace {
 
 using engine::BodyType;
@@ -337,4 +337,4 @@ Result<std::string> box2d3_scene_text(const engine::Scene& scene, const Box2d3Op
   return object.dump();
 }
 
-}  // namespace ticktrue::verifier
+}  // namespace ticktrue::tool

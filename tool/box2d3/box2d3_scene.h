@@ -9,7 +9,7 @@
 #include "base/result.h"
 #include "engine/scene/scene.h"
 
-namespace ticktrue::verifier {
+namespace ticktrue::tool {
 
 struct Box2d3Options {
   int substeps = 4;  // of a step: Box2D's recommendation
@@ -31,4 +31,4 @@ struct Box2d3Plan {
 Result<std::string> box2d3_scene_text(const engine::Scene& scene, const Box2d3Options& options, const Box2d3Plan& plan,
                                       double length_scale);
 
-}  // namespace ticktrue::verifier
+}  // namespace ticktrue::tool

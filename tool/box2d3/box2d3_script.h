@@ -4,8 +4,8 @@
 
 #include <string_view>
 
-namespace ticktrue::verifier {
+namespace ticktrue::tool {
 
 extern const std::string_view box2d3_script;
 
-}  // namespace ticktrue::verifier
+}  // namespace ticktrue::tool

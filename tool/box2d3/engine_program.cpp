@@ -13,7 +13,7 @@
 #include "verifier/runs/data_file.h"
 #include "verifier/runs/run_folder.h"
 
-namespace ticktrue::verifier {
+namespace ticktrue::tool {
 
 bool runs_in_node(const std::string& program) {
   return std::string_view(program).ends_with(".js");
@@ -22,10 +22,11 @@ bool runs_in_node(const std::string& program) {
 Result<std::unique_ptr<Box2d3Peer>> make_engine_program_peer(const std::string& program, const engine::Scene& scene,
                                                              const Box2d3Options& options, const Box2d3Plan& plan) {
   TICKTRUE_ASSERT(plan.contact_window == 0);
-  const Result<RunFolder> files = RunFolder::make("ticktrue-engine", "");
+  const Result<verifier::RunFolder> files = verifier::RunFolder::make("ticktrue-engine", "");
   if (!files) return files.error();
   const std::string scene_path = files->path() + "/scene.json";
-  if (const Status written = write_data_file(scene_path, engine::print_scene(scene)); !written) return written.error();
+  if (const Status written = verifier::write_data_file(scene_path, engine::print_scene(scene)); !written)
+    return written.error();
   std::vector<std::string> argv;
   if (runs_in_node(program)) argv.push_back("node");
   argv.insert(argv.end(), {program, scene_path, std::to_string(plan.tick_count), std::to_string(plan.body_interval),
@@ -35,4 +36,4 @@ Result<std::unique_ptr<Box2d3Peer>> make_engine_program_peer(const std::string& 
   return play_back(scene, plan, 1, *std::move(answer));
 }
 
-}  // namespace ticktrue::verifier
+}  // namespace ticktrue::tool

@@ -9,7 +9,7 @@
 #include "engine/scene/scene.h"
 #include "tool/box2d3/box2d3_peer.h"
 
-namespace ticktrue::verifier {
+namespace ticktrue::tool {
 
 /// Whether a program is WebAssembly: a file that ends in .js, which node runs.
 bool runs_in_node(const std::string& program);
@@ -19,4 +19,4 @@ bool runs_in_node(const std::string& program);
 Result<std::unique_ptr<Box2d3Peer>> make_engine_program_peer(const std::string& program, const engine::Scene& scene,
                                                              const Box2d3Options& options, const Box2d3Plan& plan);
 
-}  // namespace ticktrue::verifier
+}  // namespace ticktrue::tool

@@ -60,6 +60,6 @@ verifier::VerifyMode verify_mode_of(std::string_view name);
 
 // shared by record and golden
 /// The --detail of a recording. Errors: usage.
-Status parse_detail(const std::string& text, verifier::TraceChoices& choices);
+Status parse_detail(const std::string& text, tool::TraceChoices& choices);
 
 }  // namespace ticktrue::cli

@@ -53,7 +53,7 @@ std::optional<int> begin_plugins(const PluginOptions& options) {
   use_data_output(verifier::isolated_output());
   for (const std::string& library : options.libraries)
     if (const Status loaded = verifier::load_plugin(
-            library, [](std::string_view name) { return verifier::find_simulation(name) != nullptr; });
+            library, [](std::string_view name) { return tool::find_simulation(name) != nullptr; });
         !loaded)
       return fail_usage(loaded.error());
   return std::nullopt;

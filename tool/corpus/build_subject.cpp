@@ -11,24 +11,24 @@
 #include "tool/session/simulations.h"
 #include "verifier/store/mapped_libraries.h"
 
-namespace ticktrue::verifier {
+namespace ticktrue::tool {
 
-std::string_view mode_name(VerifyMode mode) {
-  for (const VerifyModeInfo& info : verify_modes)
+std::string_view mode_name(verifier::VerifyMode mode) {
+  for (const verifier::VerifyModeInfo& info : verifier::verify_modes)
     if (info.mode == mode) return info.name;
   return "";
 }
 
-std::string part_words(const TracePart& part) {
+std::string part_words(const verifier::TracePart& part) {
   return "part " + std::to_string(part.index + 1) + " of " + std::to_string(part.count);
 }
 
-Result<BuildSubject> build_subject(VerifyMode mode, const ProgramSubject* program) {
+Result<BuildSubject> build_subject(verifier::VerifyMode mode, const ProgramSubject* program) {
   const std::optional<Hash128> engine = program == nullptr ? engine_digest() : program_verification_digest();
   if (!engine)
     return Error{ErrorCode::unsupported, "this build does not know what it is made of: found no digest of the engine",
                  "build natively with Ninja; or use the command verify, which needs no store"};
-  const Result<std::vector<MappedLibrary>> libraries = mapped_libraries();
+  const Result<std::vector<verifier::MappedLibrary>> libraries = verifier::mapped_libraries();
   if (!libraries) return libraries.error();
   BuildSubject subject;
   subject.engine = *engine;
@@ -50,4 +50,4 @@ Result<BuildSubject> build_subject(VerifyMode mode, const ProgramSubject* progra
   return subject;
 }
 
-}  // namespace ticktrue::verifier
+}  // namespace ticktrue::tool

@@ -14,7 +14,7 @@
 #include "verifier/verify/parts.h"
 #include "verifier/verify/verify.h"
 
-namespace ticktrue::verifier {
+namespace ticktrue::tool {
 
 /// All of a verdict's subject but the trace.
 struct BuildSubject {
@@ -24,12 +24,12 @@ struct BuildSubject {
 };
 /// Of the engine; or of a program, which then is part of `engine`, with how it is run and judged. Errors: unsupported
 /// (a build or a system that cannot tell what it is made of); io.
-Result<BuildSubject> build_subject(VerifyMode mode, const ProgramSubject* program = nullptr);
+Result<BuildSubject> build_subject(verifier::VerifyMode mode, const ProgramSubject* program = nullptr);
 
 /// The word of --mode.
-std::string_view mode_name(VerifyMode mode);
+std::string_view mode_name(verifier::VerifyMode mode);
 /// "part 2 of 5".
-std::string part_words(const TracePart& part);
+std::string part_words(const verifier::TracePart& part);
 
 /// Names of what the store has of a trace, for one build.
 class UnitNames {
@@ -37,18 +37,18 @@ class UnitNames {
   UnitNames(const TraceIdentity& identity, const BuildSubject& build)
       : subject_{identity.hash, identity.facts.size, build.engine, build.libraries, build.options} {}
   std::string whole() const { return verdict_key(subject_); }
-  std::string part(const TracePart& part) const { return with(part_words(part)); }
+  std::string part(const verifier::TracePart& part) const { return with(part_words(part)); }
   /// Of the agreement about the number of parts.
   std::string parts() const { return with("parts"); }
-  std::string history() const { return history_name(subject_.trace, subject_.size); }
+  std::string history() const { return verifier::history_name(subject_.trace, subject_.size); }
 
  private:
   std::string with(const std::string& words) const {
-    VerdictSubject subject = subject_;
+    verifier::VerdictSubject subject = subject_;
     subject.options += ", " + words;
     return verdict_key(subject);
   }
-  VerdictSubject subject_;
+  verifier::VerdictSubject subject_;
 };
 
-}  // namespace ticktrue::verifier
+}  // namespace ticktrue::tool

@@ -5,7 +5,7 @@
 #include <string>
 #include <string_view>
 
-namespace ticktrue::verifier {
+namespace ticktrue::tool {
 namespace {
 
 Hash128 digest_of(std::string_view text) {
@@ -26,4 +26,4 @@ std::optional<Hash128> program_verification_digest() {
   return digest_of(engine_units + std::string(programs));
 }
 
-}  // namespace ticktrue::verifier
+}  // namespace ticktrue::tool

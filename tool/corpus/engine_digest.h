@@ -6,7 +6,7 @@
 
 #include "base/hash128.h"
 
-namespace ticktrue::verifier {
+namespace ticktrue::tool {
 
 /// A line for each unit: hash of its preprocessed text, hash of its flags and compiler. Empty where the build could not
 /// tell. Made by cmake/engine_digest.cmake.
@@ -20,4 +20,4 @@ std::optional<Hash128> engine_digest();
 /// XXH3-128 of both.
 std::optional<Hash128> program_verification_digest();
 
-}  // namespace ticktrue::verifier
+}  // namespace ticktrue::tool

@@ -14,16 +14,16 @@
 #include "verifier/store/mapped_libraries.h"
 #include "verifier/store/stat_index.h"
 
-namespace ticktrue::verifier {
+namespace ticktrue::tool {
 
 Result<ProgramSubject> ProgramSubject::make(const ProgramChoice& choice) {
-  const Result<std::vector<ProgramFile>> files = program_files(choice.words, choice.more_files);
+  const Result<std::vector<verifier::ProgramFile>> files = verifier::program_files(choice.words, choice.more_files);
   if (!files) return files.error();
   ProgramSubject subject(choice);
   ByteWriter out;
-  for (const ProgramFile& file : *files) {
+  for (const verifier::ProgramFile& file : *files) {
     const std::optional<replay::FileFacts> facts = replay::file_facts(file.path);
-    const Result<Hash128> content = file_hash(file.path);
+    const Result<Hash128> content = verifier::file_hash(file.path);
     if (!content) return content.error();
     if (!facts) return Error{ErrorCode::io, file.path + ": cannot be read", ""};
     out.text(file.name);
@@ -40,13 +40,13 @@ Result<ProgramSubject> ProgramSubject::make(const ProgramChoice& choice) {
 std::string ProgramSubject::words_text() const {
   std::vector<std::string> words = choice_.words;
   words.front() = "PROGRAM";
-  return command_line_of(words);
+  return verifier::command_line_of(words);
 }
 
 Status ProgramSubject::check_unchanged() const {
   for (const File& file : files_) {
     const std::optional<replay::FileFacts> now = replay::file_facts(file.path);
-    if (!now || !is_unchanged(file.facts, *now))
+    if (!now || !verifier::is_unchanged(file.facts, *now))
       return Error{ErrorCode::io, file.path + ": a file of the program changed while the command ran",
                    "start the command again when nothing writes to it"};
   }
@@ -67,4 +67,4 @@ std::vector<std::string> ProgramSubject::find_uncounted(const std::vector<std::s
   return uncounted;
 }
 
-}  // namespace ticktrue::verifier
+}  // namespace ticktrue::tool

@@ -14,7 +14,7 @@
 #include "base/result.h"
 #include "replay/file/file_calls.h"
 
-namespace ticktrue::verifier {
+namespace ticktrue::tool {
 
 /// A program that verifies traces, as the command line names it.
 struct ProgramChoice {
@@ -53,4 +53,4 @@ class ProgramSubject {
   Hash128 digest_;
 };
 
-}  // namespace ticktrue::verifier
+}  // namespace ticktrue::tool

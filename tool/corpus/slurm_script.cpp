@@ -9,7 +9,7 @@
 #include "base/count_text.h"
 #include "verifier/report/report.h"
 
-namespace ticktrue::verifier {
+namespace ticktrue::tool {
 namespace {
 
 constexpr double seconds_of_minute = 60;
@@ -19,7 +19,7 @@ constexpr int restart_count_max = 3;
 
 std::string words_text(const std::vector<std::string>& words) {
   std::string text;
-  for (const std::string& word : words) text += " " + shell_word(word);
+  for (const std::string& word : words) text += " " + verifier::shell_word(word);
   return text;
 }
 
@@ -56,9 +56,9 @@ std::string slurm_script(const SlurmJob& job, const SlurmSize& size) {
       "#   sh SCRIPT report   the report alone\n"
       "# Any number of workers may run, join or end: each takes what no other has.\n"
       "set -u\n";
-  text += "tool=${TICKTRUE:-" + shell_word(job.tool) + "}\n";
-  text += "store=" + shell_word(job.store) + "\n\n";
-  const std::string enter = job.folder.empty() ? "" : "  cd " + shell_word(job.folder) + " || exit 2\n";
+  text += "tool=${TICKTRUE:-" + verifier::shell_word(job.tool) + "}\n";
+  text += "store=" + verifier::shell_word(job.store) + "\n\n";
+  const std::string enter = job.folder.empty() ? "" : "  cd " + verifier::shell_word(job.folder) + " || exit 2\n";
   text += "submit() {\n";
   text += "  array=$(sbatch --parsable --job-name=ticktrue --array=1-" + std::to_string(size.task_count) +
           " --cpus-per-task=" + cpus + " --time=" + std::to_string(size.limit_minutes) +
@@ -102,4 +102,4 @@ std::string slurm_script(const SlurmJob& job, const SlurmSize& size) {
   return text;
 }
 
-}  // namespace ticktrue::verifier
+}  // namespace ticktrue::tool

@@ -9,7 +9,7 @@
 #include <string>
 #include <vector>
 
-namespace ticktrue::verifier {
+namespace ticktrue::tool {
 
 struct SlurmJob {
   std::string tool;                       // path of the program
@@ -34,4 +34,4 @@ SlurmSize slurm_size(const std::vector<double>& costs, const SlurmJob& job);
 
 std::string slurm_script(const SlurmJob& job, const SlurmSize& size);
 
-}  // namespace ticktrue::verifier
+}  // namespace ticktrue::tool

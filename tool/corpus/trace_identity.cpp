@@ -6,23 +6,23 @@
 
 #include "verifier/store/mapped_libraries.h"
 
-namespace ticktrue::verifier {
+namespace ticktrue::tool {
 
 Error changed_trace_error(const std::string& file) {
   return Error{ErrorCode::io, file + ": changed while it was read", "verify it again when nothing writes to it"};
 }
 
-Result<TraceIdentity> identify_trace(const std::string& file, StatIndex& index, bool reads) {
+Result<TraceIdentity> identify_trace(const std::string& file, verifier::StatIndex& index, bool reads) {
   const std::optional<replay::FileFacts> before = replay::file_facts(file);
   if (before && !reads)
     if (const std::optional<Hash128> hash = index.find(file, *before)) return TraceIdentity{*before, *hash};
-  const Result<Hash128> read = file_hash(file);
+  const Result<Hash128> read = verifier::file_hash(file);
   if (!read) return read.error();
   const std::optional<replay::FileFacts> after = replay::file_facts(file);
   if (!before || !after) return Error{ErrorCode::io, file + ": cannot be read", ""};
-  if (!is_unchanged(*before, *after)) return changed_trace_error(file);
+  if (!verifier::is_unchanged(*before, *after)) return changed_trace_error(file);
   index.note(file, *before, *read);
   return TraceIdentity{*before, *read};
 }
 
-}  // namespace ticktrue::verifier
+}  // namespace ticktrue::tool

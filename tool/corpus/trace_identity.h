@@ -9,7 +9,7 @@
 #include "replay/file/file_calls.h"
 #include "verifier/store/stat_index.h"
 
-namespace ticktrue::verifier {
+namespace ticktrue::tool {
 
 /// The name of the bytes of a trace, and the file that had them.
 struct TraceIdentity {
@@ -19,9 +19,9 @@ struct TraceIdentity {
 
 /// From the index where the file is the same; with `reads` every byte is read. Errors: io (also a file that changes
 /// meanwhile).
-Result<TraceIdentity> identify_trace(const std::string& file, StatIndex& index, bool reads);
+Result<TraceIdentity> identify_trace(const std::string& file, verifier::StatIndex& index, bool reads);
 
 /// That a trace changed while it was verified.
 Error changed_trace_error(const std::string& file);
 
-}  // namespace ticktrue::verifier
+}  // namespace ticktrue::tool

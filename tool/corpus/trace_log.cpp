@@ -10,7 +10,7 @@
 #include "verifier/report/report.h"
 #include "verifier/store/stat_index.h"
 
-namespace ticktrue::verifier {
+namespace ticktrue::tool {
 namespace {
 
 std::string two_digits(std::int64_t number) {
@@ -19,23 +19,23 @@ std::string two_digits(std::int64_t number) {
 
 }  // namespace
 
-TraceLog log_of(TraceHistory history, std::string_view mode) {
+TraceLog log_of(verifier::TraceHistory history, std::string_view mode) {
   TraceLog log;
   log.warnings = std::move(history.warnings);
-  for (HistoryRow& row : history.rows) {
+  for (verifier::HistoryRow& row : history.rows) {
     if (row.mode != mode) continue;
-    if (!log.changed && row.verdict == verdict_info(Verdict::match).name) log.last_match = log.rows.size();
-    if (!log.changed && row.verdict == verdict_info(Verdict::diverged).name) log.changed = log.rows.size();
+    if (!log.changed && row.verdict == verdict_info(verifier::Verdict::match).name) log.last_match = log.rows.size();
+    if (!log.changed && row.verdict == verdict_info(verifier::Verdict::diverged).name) log.changed = log.rows.size();
     log.rows.push_back(std::move(row));
   }
   return log;
 }
 
-Result<TraceLog> read_trace_log(const std::string& file, const StoreFolder& folder, std::string_view mode) {
-  StatIndex index(folder, file);
+Result<TraceLog> read_trace_log(const std::string& file, const verifier::StoreFolder& folder, std::string_view mode) {
+  verifier::StatIndex index(folder, file);
   const Result<TraceIdentity> identity = identify_trace(file, index, true);
   if (!identity) return identity.error();
-  return log_of(History(folder).find(history_name(identity->hash, identity->facts.size)), mode);
+  return log_of(verifier::History(folder).find(verifier::history_name(identity->hash, identity->facts.size)), mode);
 }
 
 std::string time_text(std::int64_t when_s) {
@@ -49,4 +49,4 @@ std::string time_text(std::int64_t when_s) {
          two_digits(clock.minutes().count()) + ":" + two_digits(clock.seconds().count());
 }
 
-}  // namespace ticktrue::verifier
+}  // namespace ticktrue::tool

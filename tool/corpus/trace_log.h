@@ -14,22 +14,22 @@
 #include "base/result.h"
 #include "verifier/store/history.h"
 
-namespace ticktrue::verifier {
+namespace ticktrue::tool {
 
 struct TraceLog {
-  std::vector<HistoryRow> rows;           // the oldest first
-  std::optional<std::size_t> last_match;  // before `changed`, where there is such a row; else of all
-  std::optional<std::size_t> changed;     // the first that gave other bits
-  std::vector<std::string> warnings;      // damaged rows
+  std::vector<verifier::HistoryRow> rows;  // the oldest first
+  std::optional<std::size_t> last_match;   // before `changed`, where there is such a row; else of all
+  std::optional<std::size_t> changed;      // the first that gave other bits
+  std::vector<std::string> warnings;       // damaged rows
 };
 
 /// Of the rows of one mode.
-TraceLog log_of(TraceHistory history, std::string_view mode);
+TraceLog log_of(verifier::TraceHistory history, std::string_view mode);
 
 /// Errors: io (the trace cannot be read).
-Result<TraceLog> read_trace_log(const std::string& file, const StoreFolder& folder, std::string_view mode);
+Result<TraceLog> read_trace_log(const std::string& file, const verifier::StoreFolder& folder, std::string_view mode);
 
 /// "2026-11-23 15:04:05", UTC.
 std::string time_text(std::int64_t when_s);
 
-}  // namespace ticktrue::verifier
+}  // namespace ticktrue::tool

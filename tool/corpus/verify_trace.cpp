@@ -12,22 +12,22 @@
 #include "verifier/runs/plugin_isolation.h"
 #include "verifier/verify/parts.h"
 
-namespace ticktrue::verifier {
+namespace ticktrue::tool {
 namespace {
 
 /// What verifies, where a library brought the simulation; else it is this tool alone. A match does not depend on where
 /// the library lies.
-void set_here(Report& report) {
-  if (report.verdict != Verdict::match && !plugin_path(report.simulation).empty())
+void set_here(verifier::Report& report) {
+  if (report.verdict != verifier::Verdict::match && !verifier::plugin_path(report.simulation).empty())
     report.here_build = make_build_facts(report.simulation);
 }
 
-Report plugin_report(const std::string& file, std::string_view mode, const std::string& what,
-                     const SharedCount& compared) {
-  Report report;
+verifier::Report plugin_report(const std::string& file, std::string_view mode, const std::string& what,
+                               const verifier::SharedCount& compared) {
+  verifier::Report report;
   report.file = file;
   report.mode = mode;
-  report.verdict = Verdict::diverged;
+  report.verdict = verifier::Verdict::diverged;
   report.reason = what;
   report.ticks_compared = compared.ticks();
   report.time_s = compared.time_s();
@@ -54,8 +54,8 @@ SimulationInfo on_engine_threads(const SimulationInfo& info, unsigned thread_cou
   return changed;
 }
 
-Report verify_trace(replay::TraceReader& reader, const std::string& file, const TraceVerification& how) {
-  VerifyOptions options;
+verifier::Report verify_trace(replay::TraceReader& reader, const std::string& file, const TraceVerification& how) {
+  verifier::VerifyOptions options;
   options.mode = how.mode;
   options.from = how.from;
   options.to = how.to;
@@ -73,55 +73,55 @@ Report verify_trace(replay::TraceReader& reader, const std::string& file, const 
     options.simulation = &simulation;
   }
   options.search_single_bit = true;
-  options.reopen = [&file]() -> std::unique_ptr<TraceSource> {
+  options.reopen = [&file]() -> std::unique_ptr<verifier::TraceSource> {
     auto again = replay::TraceReader::open(file);
     if (!again) return nullptr;
-    return std::make_unique<OwnedReaderSource>(std::move(*again));
+    return std::make_unique<verifier::OwnedReaderSource>(std::move(*again));
   };
   const std::uint64_t tick_count = reader.tick_count_hint().value_or(0);
   if (how.progress) options.progress = [&](std::uint64_t ticks_done) { how.progress(ticks_done, tick_count); };
   if (how.compared != nullptr) options.on_compared = [&how](double time_s) { how.compared->add_tick(time_s); };
-  Report report = verify(reader, options);
+  verifier::Report report = verify(reader, options);
   set_here(report);
   if (options.simulation == nullptr && report.hint.empty()) report.hint = other_simulation_hint(file, reader.facts());
   return report;
 }
 
 std::size_t count_trace_parts(replay::TraceReader& reader, std::size_t count_max) {
-  VerifyOptions options;
+  verifier::VerifyOptions options;
   options.simulation = simulation_of(reader);
   options.in_segments = options.simulation != nullptr && runs_on_threads(*options.simulation);
   return count_parts(reader, options, count_max);
 }
 
 bool needs_plugin(const std::string& file) {
-  if (plugin_simulations().empty()) return false;
+  if (verifier::plugin_simulations().empty()) return false;
   const Result<replay::TraceReader> reader = replay::TraceReader::open(file);
   const SimulationInfo* info = reader ? simulation_of(*reader) : nullptr;
   return info != nullptr && !runs_on_threads(*info);
 }
 
 PluginVerification verify_by_plugin(const std::string& file, std::string_view mode,
-                                    const std::function<Report(SharedCount& compared)>& work,
+                                    const std::function<verifier::Report(verifier::SharedCount& compared)>& work,
                                     const std::function<void()>& meanwhile) {
-  SharedCount compared;
+  verifier::SharedCount compared;
   const auto part = [&] {
     try {
       return encode_report(work(compared));
-    } catch (const PluginFailure& failure) {
+    } catch (const verifier::PluginFailure& failure) {
       return encode_report(plugin_report(file, mode, failure.what(), compared));
     }
   };
-  const IsolatedPart done = run_part(part, meanwhile);
+  const verifier::IsolatedPart done = verifier::run_part(part, meanwhile);
   if (!done.message.empty()) {
-    Report report = plugin_report(file, mode, done.message, compared);
+    verifier::Report report = plugin_report(file, mode, done.message, compared);
     report.hint =
         "run the same under a debugger: the file is verified in a child process (gdb: set follow-fork-mode child)";
     return {std::move(report), false};
   }
-  Result<Report> report = decode_report(done.result);
+  Result<verifier::Report> report = verifier::decode_report(done.result);
   if (!report) return {plugin_report(file, mode, report.error().message, compared), false};
   return {std::move(*report), true};
 }
 
-}  // namespace ticktrue::verifier
+}  // namespace ticktrue::tool

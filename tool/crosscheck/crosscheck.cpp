@@ -14,7 +14,7 @@
 #include "base/parallel/jobs.h"
 #include "tool/box2d/box2d_peer.h"
 
-namespace ticktrue::verifier {
+namespace ticktrue::tool {
 namespace {
 
 using engine::Scene;
@@ -511,4 +511,4 @@ Result<CrosscheckReport> crosscheck(const Scene& scene, const CrosscheckOptions&
   return report;
 }
 
-}  // namespace ticktrue::verifier
+}  // namespace ticktrue::tool

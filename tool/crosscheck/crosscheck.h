@@ -19,7 +19,7 @@
 #include "engine/scene/scene.h"
 #include "tool/crosscheck/peers.h"
 
-namespace ticktrue::verifier {
+namespace ticktrue::tool {
 
 enum class Agreement : std::uint8_t { agree, differ, expected, not_applicable };
 inline constexpr std::array<std::string_view, 4> verdict_names{"agree", "differ", "expected", "not_applicable"};
@@ -238,4 +238,4 @@ engine::Scene jittered_scene(const engine::Scene& scene, const CrosscheckLayout&
 /// The scene with another solver. If the scene's substeps do not fit the solver, the solver's default replaces them.
 engine::Scene scene_with_solver(const engine::Scene& scene, engine::SolverKind solver);
 
-}  // namespace ticktrue::verifier
+}  // namespace ticktrue::tool

@@ -8,7 +8,7 @@
 
 #include "tool/crosscheck/crosscheck.h"
 
-namespace ticktrue::verifier {
+namespace ticktrue::tool {
 namespace {
 
 // A difference agrees up to its tolerance here, or up to scatter_factor times the scatter of Box2D's seeds if that is
@@ -501,4 +501,4 @@ std::vector<CriterionResult> compare_bodies(const CrosscheckLayout& layout, cons
   return {judge.same_place(finer, own_finer), judge.same_distance(finer)};
 }
 
-}  // namespace ticktrue::verifier
+}  // namespace ticktrue::tool

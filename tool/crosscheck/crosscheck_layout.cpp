@@ -8,7 +8,7 @@
 #include "engine/scene/hull.h"
 #include "tool/crosscheck/crosscheck.h"
 
-namespace ticktrue::verifier {
+namespace ticktrue::tool {
 namespace {
 
 using engine::Body;
@@ -285,4 +285,4 @@ CrosscheckLayout make_layout(const engine::Scene& scene) {
   return layout;
 }
 
-}  // namespace ticktrue::verifier
+}  // namespace ticktrue::tool

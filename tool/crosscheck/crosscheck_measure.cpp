@@ -7,7 +7,7 @@
 #include "engine/math/trig.h"
 #include "tool/crosscheck/crosscheck.h"
 
-namespace ticktrue::verifier {
+namespace ticktrue::tool {
 namespace {
 
 using engine::BodyReport;
@@ -324,4 +324,4 @@ void CrosscheckMeasure::close_rows(CrosscheckRun& run, const std::vector<double>
   std::sort(run.travel_closed.begin(), run.travel_closed.end());
 }
 
-}  // namespace ticktrue::verifier
+}  // namespace ticktrue::tool

@@ -7,7 +7,7 @@
 
 #include "tool/box2d3/box2d3_peer.h"
 
-namespace ticktrue::verifier {
+namespace ticktrue::tool {
 namespace {
 
 Result<std::string> version_of_box2d2() {
@@ -53,4 +53,4 @@ const std::array<PeerInfo, 2> peers{{
      "400 m/s or 45 degrees a substep", box2d3_version, make_box2d3, soft_contacts},
 }};
 
-}  // namespace ticktrue::verifier
+}  // namespace ticktrue::tool

@@ -12,7 +12,7 @@
 #include "engine/scene/choices.h"
 #include "tool/box2d/box2d_peer.h"
 
-namespace ticktrue::verifier {
+namespace ticktrue::tool {
 
 enum class PeerKind : std::uint8_t { box2d2, box2d3 };
 
@@ -42,4 +42,4 @@ struct PeerInfo {
 };
 extern const std::array<PeerInfo, 2> peers;
 
-}  // namespace ticktrue::verifier
+}  // namespace ticktrue::tool

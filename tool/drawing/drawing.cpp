@@ -8,7 +8,7 @@
 
 #include "engine/scene/hull.h"
 
-namespace ticktrue::verifier {
+namespace ticktrue::tool {
 namespace {
 
 using engine::Point;
@@ -130,4 +130,4 @@ std::string Drawing::name(const DrawnBody& body) const {
   return figure.name.empty() ? "body#" + std::to_string(body.id) : figure.name;
 }
 
-}  // namespace ticktrue::verifier
+}  // namespace ticktrue::tool

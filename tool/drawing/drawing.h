@@ -15,7 +15,7 @@
 #include "base/state/state_view.h"
 #include "engine/scene/scene.h"
 
-namespace ticktrue::verifier {
+namespace ticktrue::tool {
 
 /// A shape of any kind in one form: all places within `radius` of the points and of the area or line between the
 /// points.
@@ -91,4 +91,4 @@ Outline outline_of(const engine::Shape& shape);
 /// A point of the body's frame in world coordinates, m.
 engine::Point to_world(const DrawnBody& body, const Figure& figure, const engine::Point& local);
 
-}  // namespace ticktrue::verifier
+}  // namespace ticktrue::tool

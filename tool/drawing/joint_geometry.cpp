@@ -4,7 +4,7 @@
 
 #include <cmath>
 
-namespace ticktrue::verifier {
+namespace ticktrue::tool {
 namespace {
 
 using engine::Joint;
@@ -92,4 +92,4 @@ JointLines joint_lines(const Joint& joint, const JointPlaces& places) {
   return info_of(table, joint.kind).lines(joint, places);
 }
 
-}  // namespace ticktrue::verifier
+}  // namespace ticktrue::tool

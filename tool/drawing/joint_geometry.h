@@ -6,7 +6,7 @@
 
 #include "engine/scene/scene.h"
 
-namespace ticktrue::verifier {
+namespace ticktrue::tool {
 
 /// Anchors and axis of a joint in world coordinates.
 struct JointPlaces {
@@ -32,4 +32,4 @@ double joint_gap(const engine::Joint& joint, const JointPlaces& places);
 /// The lines that a picture draws between the anchors of a joint.
 JointLines joint_lines(const engine::Joint& joint, const JointPlaces& places);
 
-}  // namespace ticktrue::verifier
+}  // namespace ticktrue::tool

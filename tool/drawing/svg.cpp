@@ -13,7 +13,7 @@
 #include "engine/math/trig.h"
 #include "engine/scene/hull.h"
 
-namespace ticktrue::verifier {
+namespace ticktrue::tool {
 namespace {
 
 using engine::BodyReport;
@@ -251,4 +251,4 @@ std::string svg_picture(const engine::Engine& engine, std::uint64_t tick, const 
   return text;
 }
 
-}  // namespace ticktrue::verifier
+}  // namespace ticktrue::tool

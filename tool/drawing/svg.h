@@ -7,7 +7,7 @@
 
 #include "engine/engine.h"
 
-namespace ticktrue::verifier {
+namespace ticktrue::tool {
 
 /// A rectangle of the world, m; empty until something is added.
 struct WorldBox {
@@ -31,4 +31,4 @@ WorldBox choose_view(const engine::Engine& start, const WorldBox& visited);
 /// readable on light and on dark backgrounds, because its own background is transparent.
 std::string svg_picture(const engine::Engine& engine, std::uint64_t tick, const WorldBox& view);
 
-}  // namespace ticktrue::verifier
+}  // namespace ticktrue::tool

@@ -15,7 +15,7 @@
 #include "engine/simd/probe.h"
 #include "tool/environment/float_environment.h"
 
-namespace ticktrue::verifier {
+namespace ticktrue::tool {
 namespace {
 
 void probe_functions(ByteWriter& out) {
@@ -81,4 +81,4 @@ std::vector<ProbePart> probe_arithmetic() {
   };
 }
 
-}  // namespace ticktrue::verifier
+}  // namespace ticktrue::tool

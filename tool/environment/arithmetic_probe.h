@@ -10,7 +10,7 @@
 #include <string_view>
 #include <vector>
 
-namespace ticktrue::verifier {
+namespace ticktrue::tool {
 
 struct ProbePart {
   std::string_view name;
@@ -23,4 +23,4 @@ struct ProbePart {
 /// In this order: later parts are made of earlier ones, so the first that differs is the one to look at.
 std::vector<ProbePart> probe_arithmetic();
 
-}  // namespace ticktrue::verifier
+}  // namespace ticktrue::tool

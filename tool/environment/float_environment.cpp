@@ -8,7 +8,7 @@
 #include "base/bytes.h"
 #include "base/hash.h"
 
-namespace ticktrue::verifier {
+namespace ticktrue::tool {
 namespace {
 
 template <typename Real>
@@ -80,4 +80,4 @@ bool follows_rules(const FloatEnvironment& environment) {
          environment.digest == float_digest_expected;
 }
 
-}  // namespace ticktrue::verifier
+}  // namespace ticktrue::tool

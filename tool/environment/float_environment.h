@@ -6,7 +6,7 @@
 
 #include "base/float_behaviour.h"
 
-namespace ticktrue::verifier {
+namespace ticktrue::tool {
 
 struct FloatEnvironment {
   FloatBehaviour behaviour;
@@ -22,4 +22,4 @@ FloatEnvironment probe_float_environment();
 /// Whether traces of other machines can be expected to verify here.
 bool follows_rules(const FloatEnvironment& environment);
 
-}  // namespace ticktrue::verifier
+}  // namespace ticktrue::tool

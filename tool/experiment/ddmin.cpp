@@ -4,7 +4,7 @@
 
 #include <algorithm>
 
-namespace ticktrue::verifier::soak {
+namespace ticktrue::soak {
 namespace {
 
 using Indices = std::vector<std::size_t>;
@@ -47,4 +47,4 @@ Indices ddmin(std::size_t count, const std::function<bool(const Indices&)>& fail
   return remaining;
 }
 
-}  // namespace ticktrue::verifier::soak
+}  // namespace ticktrue::soak

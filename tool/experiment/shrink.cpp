@@ -12,7 +12,7 @@
 #include "engine/scene/scene_fields.h"
 #include "tool/experiment/ddmin.h"
 
-namespace ticktrue::verifier::soak {
+namespace ticktrue::soak {
 namespace {
 
 using engine::Input;
@@ -285,4 +285,4 @@ ShrinkResult shrink(const SoakCase& failing, const CaseFails& still_fails, const
   return Shrinker(failing, still_fails, options).run();
 }
 
-}  // namespace ticktrue::verifier::soak
+}  // namespace ticktrue::soak

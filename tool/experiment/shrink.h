@@ -10,7 +10,7 @@
 
 #include "tool/experiment/soak_case.h"
 
-namespace ticktrue::verifier::soak {
+namespace ticktrue::soak {
 
 /// Whether the world still fails. Only called for worlds that check_scene accepts.
 using CaseFails = std::function<bool(const SoakCase&)>;
@@ -41,4 +41,4 @@ SoakCase with_joints(const SoakCase& soak_case, const std::vector<std::size_t>& 
 /// The same for inputs. Ids are renumbered if only `spawn` creates bodies.
 SoakCase with_inputs(const SoakCase& soak_case, const std::vector<std::size_t>& kept);
 
-}  // namespace ticktrue::verifier::soak
+}  // namespace ticktrue::soak

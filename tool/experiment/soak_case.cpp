@@ -7,7 +7,7 @@
 
 #include "base/random.h"
 
-namespace ticktrue::verifier::soak {
+namespace ticktrue::soak {
 
 CaseInputs::CaseInputs(const SoakCase& soak_case) : dt_(soak_case.scene.settings.dt), bytes_(soak_case.tick_count) {
   std::vector<engine::Input> sorted;
@@ -32,4 +32,4 @@ std::uint64_t mix(std::uint64_t a, std::uint64_t b) {
   return Random(Random(a).bits() + b).bits();
 }
 
-}  // namespace ticktrue::verifier::soak
+}  // namespace ticktrue::soak

@@ -15,7 +15,7 @@
 #include "engine/scene/scene.h"
 #include "replay/recorder.h"
 
-namespace ticktrue::verifier::soak {
+namespace ticktrue::soak {
 
 struct SoakCase {
   engine::Scene scene;
@@ -59,4 +59,4 @@ class CaseSource : public replay::InputSource {
 /// SplitMix64 of the sum of `b` and a multiple of `a`: one pseudo-random number for each pair.
 std::uint64_t mix(std::uint64_t a, std::uint64_t b);
 
-}  // namespace ticktrue::verifier::soak
+}  // namespace ticktrue::soak

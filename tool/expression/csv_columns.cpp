@@ -7,7 +7,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace ticktrue::verifier {
+namespace ticktrue::tool {
 namespace {
 
 constexpr std::size_t column_count_max = 10000;
@@ -95,4 +95,4 @@ std::string CsvColumns::row(const engine::Engine& engine, std::uint64_t tick) co
   return text + "\n";
 }
 
-}  // namespace ticktrue::verifier
+}  // namespace ticktrue::tool

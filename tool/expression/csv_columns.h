@@ -12,7 +12,7 @@
 #include "tool/expression/named_values.h"
 #include "tool/expression/world_values.h"
 
-namespace ticktrue::verifier {
+namespace ticktrue::tool {
 
 /// Columns: `tick`, `time`, and those that are asked for.
 class CsvColumns {
@@ -38,4 +38,4 @@ class CsvColumns {
   std::vector<std::variant<WorldValue, NamedValue>> columns_;
 };
 
-}  // namespace ticktrue::verifier
+}  // namespace ticktrue::tool

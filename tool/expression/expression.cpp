@@ -16,7 +16,7 @@
 #include "tool/expression/named_values.h"
 #include "tool/study/table.h"
 
-namespace ticktrue::verifier {
+namespace ticktrue::tool {
 
 #ifdef TICKTRUE_HAS_MUPARSER
 
@@ -217,4 +217,4 @@ const std::string& Expression::text() const {
   return parser_->text;
 }
 
-}  // namespace ticktrue::verifier
+}  // namespace ticktrue::tool

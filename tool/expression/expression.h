@@ -14,7 +14,7 @@
 #include "engine/engine.h"
 #include "tool/expression/world_values.h"
 
-namespace ticktrue::verifier {
+namespace ticktrue::tool {
 
 /// What an expression may name: world_values, with part_values (`bodies.3.x`, `joints.0.force`), or the time alone
 /// (`t`).
@@ -53,4 +53,4 @@ class Expression {
   std::unique_ptr<Parser> parser_;
 };
 
-}  // namespace ticktrue::verifier
+}  // namespace ticktrue::tool

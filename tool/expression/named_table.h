@@ -10,7 +10,7 @@
 
 #include "base/state/state_view.h"
 
-namespace ticktrue::verifier {
+namespace ticktrue::tool {
 
 /// The rows of a table of the state, with values by column.
 class NamedTable {
@@ -50,4 +50,4 @@ class NamedTable {
   TableRows rows_;
 };
 
-}  // namespace ticktrue::verifier
+}  // namespace ticktrue::tool

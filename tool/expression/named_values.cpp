@@ -12,7 +12,7 @@
 #include "tool/expression/named_table.h"
 #include "tool/study/measures.h"
 
-namespace ticktrue::verifier {
+namespace ticktrue::tool {
 namespace {
 
 struct PartName {
@@ -209,17 +209,35 @@ double NamedValues::of_contact(const NamedValue& named) {
   return result;
 }
 
+namespace {
+
+/// N, >= 0: `x` and `y` of the column linear_force, and the force of a limit along the axis of the joint. The lanes of
+/// a pulley and of a gear belong to their two bodies: the first counts.
+double holding_force(engine::JointKind kind, double x, double y, double limit) {
+  if (kind == engine::JointKind::pulley || kind == engine::JointKind::gear) return std::abs(x);
+  if (kind == engine::JointKind::distance) return std::abs(x + limit);
+  return std::hypot(x, y, limit);
+}
+
+}  // namespace
+
 double NamedValues::of_joint(std::uint32_t joint, PartValue value) {
   const NamedTable joints(engine_.state(), "joints");
   for (std::uint32_t row = 0; row < joints.row_count(); ++row) {
     if (joints.value(row, "joint") != joint) continue;
+    const engine::JointKind kind = engine_.scene().joints[joint].kind;
+    const double limit = joints.value(row, "lower_force") - joints.value(row, "upper_force");
+    const bool limits_angle = engine::traits_of(kind).limits == engine::JointLimits::angle;
     switch (value) {
       case PartValue::force:
-        return std::hypot(joints.value(row, "linear_force", 0), joints.value(row, "linear_force", 1));
+        return holding_force(kind, joints.value(row, "linear_force", 0), joints.value(row, "linear_force", 1),
+                             limits_angle ? 0 : limit);
       case PartValue::torque:
-        return joints.value(row, "torque");
+        return joints.value(row, "torque") + (limits_angle ? limit : 0);
       case PartValue::spring_force:
         return joints.value(row, "spring_force");
+      case PartValue::limit_force:
+        return limit;
       case PartValue::motor_force:
         return joints.value(row, "motor_force");
       default:
@@ -229,4 +247,4 @@ double NamedValues::of_joint(std::uint32_t joint, PartValue value) {
   return std::nan("");
 }
 
-}  // namespace ticktrue::verifier
+}  // namespace ticktrue::tool

@@ -12,7 +12,7 @@
 #include "base/result.h"
 #include "engine/engine.h"
 
-namespace ticktrue::verifier {
+namespace ticktrue::tool {
 
 enum class PartKind : std::uint8_t { body, contact, joint };
 
@@ -31,6 +31,7 @@ enum class PartValue : std::uint8_t {
   force,
   torque,
   spring_force,
+  limit_force,
   motor_force,
   gap,
 };
@@ -43,7 +44,7 @@ struct PartValueInfo {
 };
 /// `bodies.ID.value`, `contacts.ID.ID.value`, `joints.NUMBER.value`. Ids count from 0 in the order of the scene, and so
 /// do joints. The name that the scene gives to a body or joint stands for its number.
-inline constexpr std::array<PartValueInfo, 16> part_values{{
+inline constexpr std::array<PartValueInfo, 17> part_values{{
     {PartKind::body, PartValue::x, "x", "m, of the centre of mass"},
     {PartKind::body, PartValue::y, "y", "m, of the centre of mass"},
     {PartKind::body, PartValue::angle, "angle", "rad, -pi to pi"},
@@ -57,9 +58,10 @@ inline constexpr std::array<PartValueInfo, 16> part_values{{
      "N, likewise; above 0: pushes the upper body to +x"},
     {PartKind::contact, PartValue::overlap, "overlap", "m, the deepest of the points"},
     {PartKind::joint, PartValue::force, "force",
-     "N, >= 0, length of the force in its point; mean over the last substep"},
+     "N, >= 0, length of the force that holds it, with its limits; mean over the last substep"},
     {PartKind::joint, PartValue::torque, "torque", "N m, likewise"},
     {PartKind::joint, PartValue::spring_force, "spring_force", "N or N m"},
+    {PartKind::joint, PartValue::limit_force, "limit_force", "N or N m, above 0 at the lower limit"},
     {PartKind::joint, PartValue::motor_force, "motor_force", "N or N m"},
     {PartKind::joint, PartValue::gap, "gap", "m, how far it is from what it holds"},
 }};
@@ -99,4 +101,4 @@ class NamedValues {
   std::optional<std::vector<engine::ContactReport>> contacts_;
 };
 
-}  // namespace ticktrue::verifier
+}  // namespace ticktrue::tool

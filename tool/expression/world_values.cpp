@@ -8,7 +8,7 @@
 #include "tool/expression/named_table.h"
 #include "tool/study/measures.h"
 
-namespace ticktrue::verifier {
+namespace ticktrue::tool {
 namespace {
 
 using engine::BodyReport;
@@ -123,4 +123,4 @@ std::vector<std::uint32_t> WorldMeasures::body_with_most(double (*measure)(const
   return {most->id};
 }
 
-}  // namespace ticktrue::verifier
+}  // namespace ticktrue::tool

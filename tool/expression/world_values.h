@@ -11,7 +11,7 @@
 
 #include "engine/engine.h"
 
-namespace ticktrue::verifier {
+namespace ticktrue::tool {
 
 enum class WorldValue : std::uint8_t {
   tick,
@@ -76,4 +76,4 @@ class WorldMeasures {
   std::optional<std::vector<engine::ContactReport>> contacts_;
 };
 
-}  // namespace ticktrue::verifier
+}  // namespace ticktrue::tool

@@ -8,7 +8,7 @@
 #include "base/limits.h"
 #include "engine/json/number_text.h"
 
-namespace ticktrue::verifier {
+namespace ticktrue::tool {
 namespace {
 
 using engine::Bounds;
@@ -268,4 +268,4 @@ Result<std::vector<Input>> import_mouse(std::string_view csv, const std::string&
   return collector.finish();
 }
 
-}  // namespace ticktrue::verifier
+}  // namespace ticktrue::tool

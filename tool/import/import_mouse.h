@@ -11,7 +11,7 @@
 #include "engine/scene/input.h"
 #include "engine/scene/scene.h"
 
-namespace ticktrue::verifier {
+namespace ticktrue::tool {
 
 struct MouseImportOptions {
   std::optional<engine::Bounds>
@@ -29,4 +29,4 @@ Result<std::vector<engine::Input>> import_mouse(std::string_view csv, const std:
 /// pointer), usage (neither window nor bounds).
 Result<engine::Bounds> pointer_window(const engine::Scene& scene);
 
-}  // namespace ticktrue::verifier
+}  // namespace ticktrue::tool

@@ -17,7 +17,7 @@
 #include "tool/import/rube_joints.h"
 #include "tool/import/rube_reader.h"
 
-namespace ticktrue::verifier {
+namespace ticktrue::tool {
 namespace {
 
 using Json = nlohmann::json;
@@ -373,4 +373,4 @@ Result<RubeImport> import_rube(std::string_view json, const std::string& source,
   return Importer(root, source).run(name);
 }
 
-}  // namespace ticktrue::verifier
+}  // namespace ticktrue::tool

@@ -9,7 +9,7 @@
 #include "base/result.h"
 #include "engine/scene/scene.h"
 
-namespace ticktrue::verifier {
+namespace ticktrue::tool {
 
 struct RubeImport {
   engine::Scene scene;
@@ -23,4 +23,4 @@ inline constexpr std::size_t rube_file_size_max = 64u << 20;
 /// check_scene. Errors: invalid_scene (with the JSON path, found, expected), limit, unsupported.
 Result<RubeImport> import_rube(std::string_view json, const std::string& source, const std::string& name);
 
-}  // namespace ticktrue::verifier
+}  // namespace ticktrue::tool

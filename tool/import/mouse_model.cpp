@@ -9,7 +9,7 @@
 #include "engine/json/number_text.h"
 #include "tool/import/import_mouse.h"
 
-namespace ticktrue::verifier {
+namespace ticktrue::tool {
 namespace {
 
 using engine::Bounds;
@@ -122,4 +122,4 @@ Result<std::vector<Input>> model_mouse_session(const engine::Scene& scene, std::
   return Person(*window, scene.settings.dt, seed).session(seconds);
 }
 
-}  // namespace ticktrue::verifier
+}  // namespace ticktrue::tool

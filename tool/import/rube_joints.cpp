@@ -11,7 +11,7 @@
 #include "engine/scene/hull.h"
 #include "engine/scene/joint_kinds.h"
 
-namespace ticktrue::verifier {
+namespace ticktrue::tool {
 namespace {
 
 using engine::Body;
@@ -251,4 +251,4 @@ void read_rube_gear(RubeReader& in, const RubePlace& at, const RubeIds& joint_id
   scene.joints.push_back(std::move(gear));
 }
 
-}  // namespace ticktrue::verifier
+}  // namespace ticktrue::tool

@@ -9,7 +9,7 @@
 #include "engine/scene/scene.h"
 #include "tool/import/rube_reader.h"
 
-namespace ticktrue::verifier {
+namespace ticktrue::tool {
 
 /// [index in the file] index in the scene; absent: the body or joint was left out.
 using RubeIds = std::vector<std::optional<std::uint32_t>>;
@@ -24,4 +24,4 @@ void read_rube_joint(RubeReader& in, const RubePlace& at, const RubeIds& body_id
 void read_rube_gear(RubeReader& in, const RubePlace& at, const RubeIds& joint_ids, RubeNames& names,
                     engine::Scene& scene);
 
-}  // namespace ticktrue::verifier
+}  // namespace ticktrue::tool

@@ -8,7 +8,7 @@
 #include "engine/json/number_text.h"
 #include "tool/import/import_rube.h"
 
-namespace ticktrue::verifier {
+namespace ticktrue::tool {
 namespace {
 
 constexpr std::size_t quoted_size_max = 40;  // bytes of a text quoted in a message
@@ -193,4 +193,4 @@ engine::Point rotated_point(double angle, const engine::Point& p) {
   return {c * p.x - s * p.y, s * p.x + c * p.y};
 }
 
-}  // namespace ticktrue::verifier
+}  // namespace ticktrue::tool

@@ -16,7 +16,7 @@
 #include "base/result.h"
 #include "engine/scene/scene.h"
 
-namespace ticktrue::verifier {
+namespace ticktrue::tool {
 
 /// A JSON value and its path.
 struct RubePlace {
@@ -107,4 +107,4 @@ class RubeNames {
 /// The point turned about the origin, rad.
 engine::Point rotated_point(double angle, const engine::Point& p);
 
-}  // namespace ticktrue::verifier
+}  // namespace ticktrue::tool

@@ -201,7 +201,7 @@ Result<engine::Scene> load_session_scene(const std::string& text) {
 Result<engine::Scene> load_scene_argument(const std::string& text) {
   Result<engine::Scene> scene = load_session_scene(text);
   if (!scene) return scene;
-  if (const Status status = verifier::check_f32_reach(*scene, text); !status) return status.error();
+  if (const Status status = tool::check_f32_reach(*scene, text); !status) return status.error();
   return scene;
 }
 

@@ -11,7 +11,7 @@
 #include "engine/scene/scene_json.h"
 #include "tool/output/json_output.h"
 
-namespace ticktrue::verifier {
+namespace ticktrue::tool {
 namespace {
 
 using cli::Json;
@@ -21,7 +21,7 @@ constexpr std::size_t value_size_max = 60;
 
 class SceneDiffer {
  public:
-  SetupKeys run(const Json& a, const Json& b) {
+  verifier::SetupKeys run(const Json& a, const Json& b) {
     compare("", a, b);
     return std::move(found_);
   }
@@ -62,12 +62,12 @@ class SceneDiffer {
     return text;
   }
 
-  SetupKeys found_;
+  verifier::SetupKeys found_;
 };
 
 }  // namespace
 
-SetupKeys scene_differences(const replay::TraceSetup& a, const replay::TraceSetup& b) {
+verifier::SetupKeys scene_differences(const replay::TraceSetup& a, const replay::TraceSetup& b) {
   if (a.simulation != engine::simulation_name || b.simulation != engine::simulation_name) return {};
   const Result<engine::Scene> scene_a = engine::decode_scene(a.setup);
   const Result<engine::Scene> scene_b = engine::decode_scene(b.setup);
@@ -78,4 +78,4 @@ SetupKeys scene_differences(const replay::TraceSetup& a, const replay::TraceSetu
   return SceneDiffer().run(tree_a, tree_b);
 }
 
-}  // namespace ticktrue::verifier
+}  // namespace ticktrue::tool

@@ -12,7 +12,7 @@
 #include "engine/scene/joint_kinds.h"
 #include "engine/scene/scene_rules.h"
 
-namespace ticktrue::verifier {
+namespace ticktrue::tool {
 namespace {
 
 using engine::Body;
@@ -130,4 +130,4 @@ std::vector<std::string> scene_notes(const Scene& scene) {
   return notes;
 }
 
-}  // namespace ticktrue::verifier
+}  // namespace ticktrue::tool

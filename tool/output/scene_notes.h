@@ -11,7 +11,7 @@
 #include "engine/engine.h"
 #include "engine/scene/scene.h"
 
-namespace ticktrue::verifier {
+namespace ticktrue::tool {
 
 /// In f32, this many sizes of the smallest moving shape from the origin: a place there is rounded to a 64th of its size
 /// (24 bits of a float less 17, and the size is twice the radius).
@@ -32,4 +32,4 @@ std::string budget_text(const std::optional<engine::BudgetReport>& report, std::
 /// sizes).
 Status check_f32_reach(const engine::Scene& scene, const std::string& source);
 
-}  // namespace ticktrue::verifier
+}  // namespace ticktrue::tool

@@ -39,7 +39,7 @@ cli::Json frame_json(const engine::Engine& engine, const WorldPicture& picture, 
   object["px_per_m"] = view.scale;
   object["center"] = {view.center.x, view.center.y};
   object["bodies"] = cli::Json::array();
-  for (const verifier::DrawnBody& body : picture.bodies()) {
+  for (const tool::DrawnBody& body : picture.bodies()) {
     const Pixel at = view.to_pixel(body.center);
     const bool is_seen = body.is_finite && at.x >= 0 && at.y >= 0 && at.x < canvas.width() && at.y < canvas.height();
     cli::Json row{{"id", body.id},      {"name", picture.drawing().name(body)},
@@ -141,7 +141,7 @@ double Display::frames_per_second() const {
 }
 
 cli::Json Display::frames_json() const {
-  const auto spread = [](const verifier::TickTimes& times) {
+  const auto spread = [](const tool::TickTimes& times) {
     return cli::Json{{"median", 1e3 * times.median_s()}, {"p99", 1e3 * times.quantile_s(0.99)}};
   };
   return {{"frames", scripted_.frames_done()},

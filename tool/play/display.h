@@ -56,8 +56,8 @@ class Display {
   Fonts fonts_;
   Clock::time_point first_ = Clock::now();  // when the first frame began
   Clock::time_point last_ = Clock::now();   // when the last one did: from here on it is simulated and drawn
-  verifier::TickTimes work_;
-  verifier::TickTimes shown_;
+  tool::TickTimes work_;
+  tool::TickTimes shown_;
   double recent_frame_s_ = 0;
   double recent_work_s_ = 0;
 };

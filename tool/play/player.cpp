@@ -29,7 +29,7 @@ Result<std::unique_ptr<Player>> Player::open(const std::string& path) {
   auto reader = replay::TraceReader::open(path);
   if (!reader) return reader.error();
   if (const Status whole = reader->check_from_start(); !whole) return whole.error();
-  const Result<engine::Scene> scene = verifier::scene_of(reader->setup());
+  const Result<engine::Scene> scene = tool::scene_of(reader->setup());
   if (!scene) return Error{scene.error().code, path + ": " + scene.error().message, scene.error().hint};
   auto engine = engine::make_engine(*scene);
   if (!engine) return Error{engine.error().code, path + ": " + engine.error().message, engine.error().hint};

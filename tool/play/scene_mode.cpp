@@ -144,10 +144,10 @@ class SceneMode {
     });
     replay::RecordOptions record_options;
     record_options.writer.overwrite = may_overwrite();
-    verifier::TraceChoices choices;
+    tool::TraceChoices choices;
     choices.detail = replay::Detail::cells;
-    auto result = replay::record(timed, session, file_, verifier::make_trace_setup(engine, choices),
-                                 verifier::make_build_facts(), record_options);
+    auto result = replay::record(timed, session, file_, tool::make_trace_setup(engine, choices),
+                                 tool::make_build_facts(), record_options);
     size_ = session.view();
     layers_ = session.layers();
     wished_ = session.requested_scene();

@@ -26,7 +26,7 @@ double square_to_segment(const Point& p, const Point& a, const Point& b) {
 }
 
 /// `point` in the body's frame.
-bool contains(const verifier::Outline& outline, const Point& point) {
+bool contains(const tool::Outline& outline, const Point& point) {
   if (outline.is_line || outline.is_sensor || outline.points.empty()) return false;
   bool inside = outline.points.size() >= 3;
   for (std::size_t i = 0; i < outline.points.size(); ++i) {
@@ -40,15 +40,14 @@ bool contains(const verifier::Outline& outline, const Point& point) {
 
 }  // namespace
 
-std::size_t body_at(const verifier::Drawing& drawing, const std::vector<verifier::DrawnBody>& bodies,
-                    const Point& point) {
+std::size_t body_at(const tool::Drawing& drawing, const std::vector<tool::DrawnBody>& bodies, const Point& point) {
   for (std::size_t i = bodies.size(); i-- > 0;) {
-    const verifier::DrawnBody& body = bodies[i];
-    const verifier::Figure& figure = drawing.figures()[body.figure];
+    const tool::DrawnBody& body = bodies[i];
+    const tool::Figure& figure = drawing.figures()[body.figure];
     const double dx = point.x - body.center.x, dy = point.y - body.center.y;
     if (!body.is_finite || !(dx * dx + dy * dy <= figure.extent * figure.extent)) continue;
     const Point local{figure.center.x + body.cos * dx + body.sin * dy, figure.center.y - body.sin * dx + body.cos * dy};
-    for (const verifier::Outline& outline : figure.outlines)
+    for (const tool::Outline& outline : figure.outlines)
       if (contains(outline, local)) return i;
   }
   return bodies.size();

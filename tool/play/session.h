@@ -77,7 +77,7 @@ class Session : public replay::InputSource {
 
   engine::Engine& engine_;
   const PlayScene& playable_;
-  verifier::Drawing drawing_;
+  tool::Drawing drawing_;
   NextFrame next_frame_;
   View view_;
   engine::TickClock clock_;
@@ -87,7 +87,7 @@ class Session : public replay::InputSource {
   std::vector<Pending> pending_;                // by time_s
   std::vector<engine::Input> inputs_;           // of the tick at hand
   Bytes bytes_;
-  std::vector<verifier::DrawnBody> bodies_;
+  std::vector<tool::DrawnBody> bodies_;
   std::optional<engine::Point> pull_;
   std::uint64_t input_count_ = 0;
 
@@ -103,7 +103,7 @@ class Session : public replay::InputSource {
 };
 
 /// The newest body at a point of the world: index in `bodies`, or bodies.size(). Lines and sensors are not hit.
-std::size_t body_at(const verifier::Drawing& drawing, const std::vector<verifier::DrawnBody>& bodies,
+std::size_t body_at(const tool::Drawing& drawing, const std::vector<tool::DrawnBody>& bodies,
                     const engine::Point& point);
 
 }  // namespace ticktrue::play

@@ -223,7 +223,7 @@ class TraceMode {
   Player& player_;
   Player* other_;
   WorldPicture picture_;
-  std::optional<verifier::Drawing> other_drawing_;
+  std::optional<tool::Drawing> other_drawing_;
   Playback playback_;
   std::uint64_t compared_ = 0;  // ticks of both traces that are alike
 };

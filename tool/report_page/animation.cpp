@@ -17,7 +17,7 @@
 #include "verifier/report/report.h"
 #include "verifier/verify/trace_source.h"
 
-namespace ticktrue::verifier {
+namespace ticktrue::tool {
 namespace {
 
 using replay::CheckpointRecord;
@@ -317,7 +317,8 @@ class AnimationMaker {
     if (record.inputs.empty()) return;
     const std::string text = here_.simulation != nullptr ? here_.simulation->inputs_text(record.tick, record.inputs)
                                                          : listing_.text(record.tick, record.inputs);
-    const std::vector<std::string> lines = split_lines(text.empty() ? listing_.text(record.tick, record.inputs) : text);
+    const std::vector<std::string> lines =
+        verifier::split_lines(text.empty() ? listing_.text(record.tick, record.inputs) : text);
     animation_.input_ticks.push_back({record.tick, static_cast<std::uint32_t>(lines.size())});
     animation_.input_count += lines.size();
     const bool is_focus = record.tick + 1 == options_.focus;
@@ -363,7 +364,7 @@ class AnimationMaker {
     animation_.view = {{view.lower_x, view.lower_y}, {view.upper_x, view.upper_y}};
   }
 
-  ReaderSource reader_;
+  verifier::ReaderSource reader_;
   const AnimationOptions& options_;
   InputListing listing_;
   Animation animation_;
@@ -423,4 +424,4 @@ bool halve_frames(Animation& animation) {
   return true;
 }
 
-}  // namespace ticktrue::verifier
+}  // namespace ticktrue::tool

@@ -17,7 +17,7 @@
 #include "replay/trace_reader.h"
 #include "tool/drawing/drawing.h"
 
-namespace ticktrue::verifier {
+namespace ticktrue::tool {
 
 /// A row of a table whose bodies are requested.
 struct RowQuestion {
@@ -123,4 +123,4 @@ bool halve_frames(Animation& animation);
 /// Whether the animation has a frame at this time.
 bool includes_frame(const Animation& animation, std::uint64_t ticks_done);
 
-}  // namespace ticktrue::verifier
+}  // namespace ticktrue::tool

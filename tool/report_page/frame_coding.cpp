@@ -8,7 +8,7 @@
 
 #include "engine/math/trig.h"
 
-namespace ticktrue::verifier {
+namespace ticktrue::tool {
 namespace {
 
 constexpr std::int32_t grid_max = 1 << 28;  // further out bodies are drawn at this number
@@ -126,4 +126,4 @@ std::string base64(ByteView bytes) {
   return text;
 }
 
-}  // namespace ticktrue::verifier
+}  // namespace ticktrue::tool

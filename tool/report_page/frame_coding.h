@@ -16,7 +16,7 @@
 #include "base/bytes.h"
 #include "tool/report_page/animation.h"
 
-namespace ticktrue::verifier {
+namespace ticktrue::tool {
 
 /// The grid to which poses are rounded.
 struct PoseGrid {
@@ -49,4 +49,4 @@ GridPose to_grid(const Pose& pose, const PoseGrid& grid);
 
 std::string base64(ByteView bytes);
 
-}  // namespace ticktrue::verifier
+}  // namespace ticktrue::tool

@@ -4,10 +4,10 @@
 
 #include <string_view>
 
-namespace ticktrue::verifier {
+namespace ticktrue::tool {
 
 extern const std::string_view page_html;  // with {{names}} of what is put in
 extern const std::string_view page_css;
 extern const std::string_view page_js;
 
-}  // namespace ticktrue::verifier
+}  // namespace ticktrue::tool

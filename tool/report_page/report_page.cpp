@@ -24,7 +24,7 @@
 #include "verifier/report/json_parts.h"
 #include "verifier/report/report_ci.h"
 
-namespace ticktrue::verifier {
+namespace ticktrue::tool {
 namespace {
 
 using Json = nlohmann::ordered_json;
@@ -70,16 +70,17 @@ std::string base64_of_doubles(const std::vector<double>& values) {
 
 // --- where two traces differ, and whom that concerns ----------------------------------------------------------------
 
-std::vector<RowQuestion> questions_of(const Divergence& divergence) {
+std::vector<RowQuestion> questions_of(const verifier::Divergence& divergence) {
   std::vector<RowQuestion> questions;
-  for (const LaneReport& row : divergence.rows) questions.push_back({row.table, row.row, row.id, row.name});
-  for (const Candidate& row : divergence.candidates) questions.push_back({row.table, row.row, row.id, row.name});
+  for (const verifier::LaneReport& row : divergence.rows) questions.push_back({row.table, row.row, row.id, row.name});
+  for (const verifier::Candidate& row : divergence.candidates)
+    questions.push_back({row.table, row.row, row.id, row.name});
   return questions;
 }
 
 /// Ticks done in the state that the divergence is about: those of its tick, or the ones before it.
-std::uint64_t ticks_done_at(const Divergence& divergence) {
-  const bool is_before = divergence.stage == stage_setup || divergence.stage == stage_load ||
+std::uint64_t ticks_done_at(const verifier::Divergence& divergence) {
+  const bool is_before = divergence.stage == verifier::stage_setup || divergence.stage == verifier::stage_load ||
                          divergence.stage == std::string_view("checkpoint");
   return divergence.tick + (is_before ? 0 : 1);
 }
@@ -252,9 +253,9 @@ Json match_ranges_json(const Animation& animation) {
 }
 
 /// [tick, count]; of many ticks, those that fall together on a screen as one.
-Json ranges_json(const std::vector<TickRange>& ranges) {
+Json ranges_json(const std::vector<verifier::TickRange>& ranges) {
   Json list = Json::array();
-  for (const TickRange& range : ranges) list.push_back({range.first, range.last});
+  for (const verifier::TickRange& range : ranges) list.push_back({range.first, range.last});
   return list;
 }
 
@@ -346,10 +347,10 @@ std::string file_word(const std::string& path) {
 }
 
 /// What differs between the trace of the page and the other one, in a sentence.
-std::string difference_sentence(const DiffReport& difference) {
+std::string difference_sentence(const verifier::DiffReport& difference) {
   const std::string both = "this trace and " + file_word(difference.b.file);
   if (!difference.divergence) return both + ": " + difference.reason;
-  const Divergence& divergence = *difference.divergence;
+  const verifier::Divergence& divergence = *difference.divergence;
   std::string text = both + " differ from tick " + std::to_string(divergence.tick) + " on";
   if (!divergence.contents.empty())
     text += ": " + divergence.contents.front().place;
@@ -376,12 +377,12 @@ std::string fill_in(std::string_view page, std::span<const std::pair<std::string
 
 class PageMaker {
  public:
-  PageMaker(const Report& report, const PageOptions& options) : report_(report), options_(options) {}
+  PageMaker(const verifier::Report& report, const PageOptions& options) : report_(report), options_(options) {}
 
   Result<Page> run() {
     data_["schema"] = "ticktrue.page/2";
     data_["made_by"] = build_line();
-    data_["verify"] = Json::parse(report_json({&report_, 1}, options_.allow_truncated));
+    data_["verify"] = Json::parse(verifier::report_json({&report_, 1}, options_.allow_truncated));
     data_["command"] = options_.command;
     Page page;
     page.exit_code = report_.exit_code(options_.allow_truncated);
@@ -400,9 +401,9 @@ class PageMaker {
     std::string sentence = report_sentence(report_);
     std::string_view summary = verdict_info(report_.verdict).summary;
     const int of_trace = report_.exit_code(options_.allow_truncated);
-    const int of_both = difference_ ? difference_->exit_code(options_.allow_truncated) : exit_ok;
+    const int of_both = difference_ ? difference_->exit_code(options_.allow_truncated) : verifier::exit_ok;
     const int codes[] = {of_trace, of_both};
-    if (of_both != of_trace && worst_exit_code(codes) == of_both) {
+    if (of_both != of_trace && verifier::worst_exit_code(codes) == of_both) {
       title_ = diff_verdict_info(difference_->verdict).name;
       summary = diff_verdict_info(difference_->verdict).summary;
       sentence = difference_sentence(*difference_);
@@ -421,7 +422,7 @@ class PageMaker {
       if (reader) {
         compare(*reader, *other);
         const int codes[] = {exit_code, difference_->exit_code(options_.allow_truncated)};
-        exit_code = worst_exit_code(codes);
+        exit_code = verifier::worst_exit_code(codes);
       }
       if (reader) animate_both(*reader, *other);
       return {};
@@ -436,7 +437,7 @@ class PageMaker {
 
   /// Of a bundle: who differs, as text.
   void add_players(replay::TraceReader& reader) {
-    const Result<std::optional<Bundle>> bundle = Bundle::read(reader);
+    const Result<std::optional<verifier::Bundle>> bundle = verifier::Bundle::read(reader);
     if (bundle && !*bundle) return;
     const std::string text = bundle ? (**bundle).text(reader.setup().schema) : bundle.error().message;
     const std::string who = bundle ? (**bundle).players_text() : "this bundle cannot be read";
@@ -446,7 +447,7 @@ class PageMaker {
   }
 
   void compare(replay::TraceReader& reader, replay::TraceReader& other) {
-    DiffOptions options;
+    verifier::DiffOptions options;
     options.simulation = find_simulation(reader.setup().simulation);
     options.setup_keys = scene_differences;
     difference_ = diff(reader, other, options);
@@ -461,7 +462,7 @@ class PageMaker {
       options.progress = [this, tick_count, part, parts](std::uint64_t done) {
         options_.progress(part * tick_count + done, parts * tick_count);
       };
-    const Divergence* divergence = report_.divergence ? &*report_.divergence : nullptr;
+    const verifier::Divergence* divergence = report_.divergence ? &*report_.divergence : nullptr;
     if (divergence == nullptr && difference_ && difference_->divergence) divergence = &*difference_->divergence;
     if (divergence != nullptr) {
       options.focus = ticks_done_at(*divergence);
@@ -489,7 +490,7 @@ class PageMaker {
 
   /// A tick whose hash agrees, and another part of its record does not, is no tick as recorded.
   void mark_divergence() {
-    if (report_.verdict != Verdict::diverged || !report_.divergence) return;
+    if (report_.verdict != verifier::Verdict::diverged || !report_.divergence) return;
     const std::uint64_t ticks_done = ticks_done_at(*report_.divergence);
     if (ticks_done > 0) mark_differing(*animation_, ticks_done - 1);
   }
@@ -497,7 +498,7 @@ class PageMaker {
   void add_others() {
     Json list = Json::array();
     std::size_t count = 0;
-    for (const Report& other : options_.others) {
+    for (const verifier::Report& other : options_.others) {
       if (++count > others_max) break;
       list.push_back(
           {{"file", other.file}, {"verdict", verdict_info(other.verdict).name}, {"sentence", report_sentence(other)}});
@@ -549,12 +550,12 @@ class PageMaker {
     }
   }
 
-  const Report& report_;
+  const verifier::Report& report_;
   const PageOptions& options_;
   Json data_;
   std::string title_;
   std::string players_;  // HTML
-  std::optional<DiffReport> difference_;
+  std::optional<verifier::DiffReport> difference_;
   std::optional<Animation> animation_;
   std::optional<Animation> other_;
 };
@@ -597,8 +598,8 @@ std::string script_json(std::string_view json) {
   return safe;
 }
 
-Result<Page> make_report_page(const Report& report, const PageOptions& options) {
+Result<Page> make_report_page(const verifier::Report& report, const PageOptions& options) {
   return PageMaker(report, options).run();
 }
 
-}  // namespace ticktrue::verifier
+}  // namespace ticktrue::tool

@@ -16,11 +16,11 @@
 #include "base/result.h"
 #include "verifier/report/report.h"
 
-namespace ticktrue::verifier {
+namespace ticktrue::tool {
 
 struct PageOptions {
   std::string against;                       // another trace, whose bodies are drawn as ghosts; may be empty
-  std::span<const Report> others;            // reports of the same call, listed with a sentence each
+  std::span<const verifier::Report> others;  // reports of the same call, listed with a sentence each
   std::string command;                       // that makes the page again
   bool allow_truncated = false;              // as for the report
   std::size_t size_max = 5'000'000 - 4'096;  // bytes; frames are left out until the page fits
@@ -35,11 +35,11 @@ struct Page {
 
 /// `report`: of verifying the trace, or of the attempt; its file is read again.
 /// Errors: what opening the trace `against` refuses.
-Result<Page> make_report_page(const Report& report, const PageOptions& options);
+Result<Page> make_report_page(const verifier::Report& report, const PageOptions& options);
 
 /// As text of an HTML element or attribute. Control characters become spaces.
 std::string html_text(std::string_view text);
 /// JSON inside a script element: no character that could end it.
 std::string script_json(std::string_view json);
 
-}  // namespace ticktrue::verifier
+}  // namespace ticktrue::tool

@@ -4,7 +4,7 @@
 
 #include "base/limits.h"
 
-namespace ticktrue::verifier {
+namespace ticktrue::tool {
 
 ClockedInputs::ClockedInputs(engine::Engine& engine, std::unique_ptr<replay::InputSource> inputs,
                              std::unique_ptr<HostFrames> frames)
@@ -42,4 +42,4 @@ Result<std::optional<TickInput>> ClockedInputs::next(std::uint64_t tick) {
   return std::optional<TickInput>(TickInput{**dt, (*input)->inputs});
 }
 
-}  // namespace ticktrue::verifier
+}  // namespace ticktrue::tool

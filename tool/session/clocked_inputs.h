@@ -9,7 +9,7 @@
 #include "replay/recorder.h"
 #include "tool/session/host_frames.h"
 
-namespace ticktrue::verifier {
+namespace ticktrue::tool {
 
 /// Returns the inputs of another source with the dt of the scene's clock. The tick of each input is unchanged. The
 /// session also ends when the host has no more frames.
@@ -40,4 +40,4 @@ class ClockedInputs : public replay::InputSource {
   bool tick_failed_ = false;
 };
 
-}  // namespace ticktrue::verifier
+}  // namespace ticktrue::tool

@@ -6,7 +6,7 @@
 
 #include "engine/json/number_text.h"
 
-namespace ticktrue::verifier {
+namespace ticktrue::tool {
 namespace {
 
 constexpr double frame_max_s = 3600;  // s; a longer frame is a wrong unit
@@ -131,4 +131,4 @@ Status check_host(const std::string& host, std::uint64_t seed) {
   }
 }
 
-}  // namespace ticktrue::verifier
+}  // namespace ticktrue::tool

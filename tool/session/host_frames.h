@@ -14,7 +14,7 @@
 #include "base/result.h"
 #include "tool/session/input_source.h"
 
-namespace ticktrue::verifier {
+namespace ticktrue::tool {
 
 enum class HostKind : std::uint8_t { wall, steady_30, steady_60, steady_144, jitter_60, stutter };
 
@@ -50,4 +50,4 @@ Status check_host(const std::string& host, std::uint64_t seed);
 /// Frames of equal length.
 std::unique_ptr<HostFrames> steady_frames(double seconds);
 
-}  // namespace ticktrue::verifier
+}  // namespace ticktrue::tool

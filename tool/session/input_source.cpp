@@ -18,7 +18,7 @@
 #include "replay/file/file_calls.h"
 #include "verifier/runs/data_file.h"
 
-namespace ticktrue::verifier {
+namespace ticktrue::tool {
 namespace {
 
 constexpr std::size_t block_size = 1u << 16;
@@ -58,7 +58,8 @@ Result<LineReader> LineReader::open(const std::string& path) {
   }
   reader.name_ = path;
   reader.descriptor_ = replay::open_file(path, O_RDONLY);
-  if (reader.descriptor_ < 0) return Error{ErrorCode::io, path + ": cannot open: " + system_message(errno), ""};
+  if (reader.descriptor_ < 0)
+    return Error{ErrorCode::io, path + ": cannot open: " + verifier::system_message(errno), ""};
   reader.owned_ = true;
   struct stat status {};
   if (fstat(reader.descriptor_, &status) == 0) {
@@ -121,7 +122,7 @@ Result<std::optional<std::string_view>> LineReader::next(const std::function<boo
     buffer_.resize(searched + (count > 0 ? static_cast<std::size_t>(count) : 0));
     if (count < 0) {
       if (error_number == EINTR) continue;
-      return Error{ErrorCode::io, name_ + ": cannot read: " + system_message(error_number), ""};
+      return Error{ErrorCode::io, name_ + ": cannot read: " + verifier::system_message(error_number), ""};
     }
     if (count == 0) at_end_ = true;
     offset_ += static_cast<std::uint64_t>(count);
@@ -253,4 +254,4 @@ Result<InputSummary> check_inputs(const engine::Scene& scene, const std::string&
   return summary;
 }
 
-}  // namespace ticktrue::verifier
+}  // namespace ticktrue::tool

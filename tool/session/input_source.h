@@ -21,7 +21,7 @@
 #include "engine/scene/scene.h"
 #include "replay/recorder.h"
 
-namespace ticktrue::verifier {
+namespace ticktrue::tool {
 
 /// Reads lines of bounded length from a file or a pipe, as they arrive.
 class LineReader {
@@ -120,4 +120,4 @@ class JsonLinesInputs : public replay::InputSource {
 Result<InputSummary> check_inputs(const engine::Scene& scene, const std::string& path,
                                   const std::function<void(std::uint64_t, std::uint64_t)>& progress);
 
-}  // namespace ticktrue::verifier
+}  // namespace ticktrue::tool

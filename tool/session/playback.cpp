@@ -11,12 +11,13 @@
 #include "verifier/locate/schema_difference.h"
 #include "verifier/verify/trace_source.h"
 
-namespace ticktrue::verifier {
+namespace ticktrue::tool {
 namespace {
 
 /// Sets the engine to the last checkpoint at or before the tick. If no checkpoint fits, the engine stays at the start.
-void go_to(TraceSource& reader, engine::Engine& engine, std::uint64_t tick) {
-  const bool same_columns = !first_schema_difference(reader.setup().schema, *engine.state().schema, Ranges::inside);
+void go_to(verifier::TraceSource& reader, engine::Engine& engine, std::uint64_t tick) {
+  const bool same_columns =
+      !first_schema_difference(reader.setup().schema, *engine.state().schema, verifier::Ranges::inside);
   if (tick > 0 && same_columns && reader.seek(tick)) {
     const auto* checkpoint = std::get_if<replay::CheckpointRecord>(&reader.next());
     if (checkpoint != nullptr && engine.load(checkpoint->image)) return;
@@ -35,7 +36,7 @@ Result<engine::Scene> scene_of(const replay::TraceSetup& setup) {
 
 Result<PlaybackResult> play_trace(replay::TraceReader& trace, std::uint64_t first, std::uint64_t last,
                                   const std::function<bool(const engine::Engine& engine, std::uint64_t tick)>& show) {
-  ReaderSource reader(trace);
+  verifier::ReaderSource reader(trace);
   const Result<engine::Scene> scene = scene_of(reader.setup());
   if (!scene) return scene.error();
   auto made = engine::make_engine(*scene, engine_options_of_environment());
@@ -69,4 +70,4 @@ Result<PlaybackResult> play_trace(replay::TraceReader& trace, std::uint64_t firs
   return result;
 }
 
-}  // namespace ticktrue::verifier
+}  // namespace ticktrue::tool

@@ -11,7 +11,7 @@
 #include "engine/engine.h"
 #include "replay/trace_reader.h"
 
-namespace ticktrue::verifier {
+namespace ticktrue::tool {
 
 struct PlaybackResult {
   std::uint64_t tick_count = 0;                   // ticks simulated
@@ -28,4 +28,4 @@ Result<engine::Scene> scene_of(const replay::TraceSetup& setup);
 Result<PlaybackResult> play_trace(replay::TraceReader& trace, std::uint64_t first, std::uint64_t last,
                                   const std::function<bool(const engine::Engine& engine, std::uint64_t tick)>& show);
 
-}  // namespace ticktrue::verifier
+}  // namespace ticktrue::tool

@@ -163,7 +163,7 @@ Result<OpenPluginSession> open_plugin_session(const PluginSession& session) {
   return made;
 }
 
-replay::TraceSetup plugin_trace_setup(const OpenPluginSession& made, const verifier::TraceChoices& choices) {
+replay::TraceSetup plugin_trace_setup(const OpenPluginSession& made, const tool::TraceChoices& choices) {
   replay::TraceSetup setup;
   setup.simulation = std::string(made.info->name);
   setup.physics_version = made.info->physics_version;
@@ -247,7 +247,7 @@ int record_plugin(const PluginSession& session) {
   };
   const auto result =
       replay::record(*made->simulation, *made->inputs, session.output, plugin_trace_setup(*made, session.choices),
-                     verifier::make_build_facts(made->info->name), options);
+                     tool::make_build_facts(made->info->name), options);
   progress.finish();
   if (!result) return fail_usage(result.error());
   if (result->reason == replay::EndReason::interrupted && result->tick_count == 0) {

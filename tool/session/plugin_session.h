@@ -20,8 +20,8 @@ struct PluginSession {
       scene;  // the setup: the bytes of this file, or of the word itself; or a trace, whose session is run again
   std::string inputs;  // JSON Lines {"tick": N, "bytes": "hex"}, ticks ascending; "dt": s, from that tick on; or empty
   std::optional<std::uint64_t> tick_count;
-  verifier::TraceChoices choices;  // record
-  std::string output;              // record
+  tool::TraceChoices choices;  // record
+  std::string output;          // record
   bool compress = true;
   bool force = false;
   bool json = false;
@@ -42,7 +42,7 @@ struct OpenPluginSession {
 /// has_plugin().
 Result<OpenPluginSession> open_plugin_session(const PluginSession& session);
 /// The setup for a trace of this session. Its checkpoints hold saves if the plug-in has save and load.
-replay::TraceSetup plugin_trace_setup(const OpenPluginSession& made, const verifier::TraceChoices& choices);
+replay::TraceSetup plugin_trace_setup(const OpenPluginSession& made, const tool::TraceChoices& choices);
 
 /// Returns the exit code. Requires: has_plugin().
 int run_plugin(const PluginSession& session);
@@ -53,7 +53,7 @@ struct PluginRun {
   std::uint64_t tick_count = 0;
   double time_s = 0;               // simulated
   std::optional<NonFinite> found;  // not finite after the last tick
-  verifier::TickTimes times;       // wall time of the steps
+  tool::TickTimes times;           // wall time of the steps
 };
 /// Runs at most `tick_count` ticks. Stops earlier at the end of the inputs, at a stop signal, or at a value that is not
 /// finite. Errors: those of the source, of Simulation::accept and of Simulation::step.

@@ -10,7 +10,7 @@
 #include "engine/scene/scene_json.h"
 #include "tool/output/json_output.h"
 
-namespace ticktrue::verifier {
+namespace ticktrue::tool {
 namespace {
 
 using cli::Json;
@@ -91,7 +91,43 @@ std::optional<std::vector<std::string>> range_of(const std::string& text) {
   return values;
 }
 
+/// The key with an index for each name of a list element. A part that the scene does not have stays as it is.
+std::string key_by_index(const Json& tree, const std::string& key) {
+  std::string path;
+  const Json* at = &tree;
+  for (const std::string& part : parts_of(key, '.')) {
+    if (at != nullptr && at->is_array()) {
+      const std::size_t index = element_of(*at, part).value_or(at->size());
+      if (index < at->size()) {
+        path += std::to_string(index) + ".";
+        at = &(*at)[index];
+        continue;
+      }
+    }
+    path += part + ".";
+    at = at != nullptr && at->is_object() && at->contains(part) ? &(*at)[part] : nullptr;
+  }
+  return path;
+}
+
 }  // namespace
+
+Status check_apart(const std::vector<VariedKey>& keys, const engine::Scene& scene, const std::string& place) {
+  const Json tree = Json::parse(engine::print_scene(scene));
+  std::vector<std::string> paths;
+  for (const VariedKey& varied : keys) {
+    const std::string path = key_by_index(tree, varied.key);
+    for (std::size_t i = 0; i < paths.size(); ++i) {
+      const std::size_t shared = std::min(path.size(), paths[i].size());
+      if (path.compare(0, shared, paths[i], 0, shared) == 0)
+        return Error{
+            ErrorCode::usage,
+            place + ": found " + varied.key + ", which " + keys[i].key + " sets as well, expected one of the two", ""};
+    }
+    paths.push_back(path);
+  }
+  return {};
+}
 
 Result<engine::Scene> scene_with(const engine::Scene& scene, const std::string& key, const std::string& value,
                                  const std::string& place) {
@@ -165,4 +201,4 @@ void label_keys(std::vector<VariedKey>& keys) {
   }
 }
 
-}  // namespace ticktrue::verifier
+}  // namespace ticktrue::tool

@@ -4,7 +4,7 @@
 
 #include "tool/session/session.h"
 
-namespace ticktrue::verifier {
+namespace ticktrue::tool {
 
 SceneSource::SceneSource(const engine::Engine& engine, replay::InputSource& inputs,
                          std::optional<std::uint64_t> tick_count)
@@ -25,4 +25,4 @@ const replay::TraceReader::Item& SceneSource::next() {
   return item_;
 }
 
-}  // namespace ticktrue::verifier
+}  // namespace ticktrue::tool

@@ -9,9 +9,9 @@
 #include "replay/recorder.h"
 #include "verifier/verify/trace_source.h"
 
-namespace ticktrue::verifier {
+namespace ticktrue::tool {
 
-class SceneSource : public TraceSource {
+class SceneSource : public verifier::TraceSource {
  public:
   /// `inputs` must outlive this object and is read once. `tick_count` absent: runs until the inputs end.
   SceneSource(const engine::Engine& engine, replay::InputSource& inputs, std::optional<std::uint64_t> tick_count);
@@ -36,4 +36,4 @@ class SceneSource : public TraceSource {
   bool at_end_ = false;
 };
 
-}  // namespace ticktrue::verifier
+}  // namespace ticktrue::tool

@@ -10,7 +10,7 @@
 #include "base/float_behaviour.h"
 #include "engine/scene/scene_binary.h"
 
-namespace ticktrue::verifier {
+namespace ticktrue::tool {
 namespace {
 
 constexpr double bucket_ratio = 1.01;
@@ -95,4 +95,4 @@ Result<RunResult> run_session(engine::Engine& engine, replay::InputSource& sourc
   return result;
 }
 
-}  // namespace ticktrue::verifier
+}  // namespace ticktrue::tool

@@ -15,7 +15,7 @@
 #include "replay/format/trace.h"
 #include "replay/recorder.h"
 
-namespace ticktrue::verifier {
+namespace ticktrue::tool {
 
 /// The choices of a recording.
 struct TraceChoices {
@@ -61,4 +61,4 @@ Result<RunResult> run_session(engine::Engine& engine, replay::InputSource& sourc
                               std::optional<std::uint64_t> tick_count,
                               const std::function<bool(std::uint64_t)>& progress);
 
-}  // namespace ticktrue::verifier
+}  // namespace ticktrue::tool

@@ -29,18 +29,18 @@ Result<SessionInputs> open_session_inputs(const engine::Scene& scene, const std:
     return session;
   }
 
-  verifier::JsonLinesInputs::Options options;
+  tool::JsonLinesInputs::Options options;
   options.needs_end = !tick_count;
   options.stop = stop_requested;
-  auto source = verifier::JsonLinesInputs::open(scene, path, options);
+  auto source = tool::JsonLinesInputs::open(scene, path, options);
   if (!source) return source.error();
   session.lines = source->get();
   session.source = std::move(*source);
   if (!session.source->repeatable()) return session;
 
   Progress progress("check " + path, 0, "bytes");
-  const auto summary = verifier::check_inputs(
-      scene, path, [&](std::uint64_t done, std::uint64_t total) { progress.update(done, total); });
+  const auto summary =
+      tool::check_inputs(scene, path, [&](std::uint64_t done, std::uint64_t total) { progress.update(done, total); });
   progress.finish();
   if (!summary) return summary.error();
   if (!summary->end_tick && !tick_count)
@@ -68,7 +68,7 @@ Result<TraceSession> open_trace_session(const std::string& path, const std::stri
   Result<replay::TraceReader> reader = replay::TraceReader::open(path);
   if (!reader) return reader.error();
   if (const Status whole = reader->check_from_start(); !whole) return whole.error();
-  Result<engine::Scene> scene = verifier::scene_of(reader->setup());
+  Result<engine::Scene> scene = tool::scene_of(reader->setup());
   if (!scene) return scene.error();
   TraceSession session;
   session.scene = std::move(*scene);
@@ -91,14 +91,14 @@ Status check_threads(std::uint64_t thread_count) {
 }
 
 engine::EngineOptions engine_options(std::uint64_t thread_count) {
-  engine::EngineOptions options = verifier::engine_options_of_environment();
+  engine::EngineOptions options = tool::engine_options_of_environment();
   options.thread_count = static_cast<unsigned>(thread_count);
   return options;
 }
 
 void add_host_options(CLI::App& command, HostOptions& options) {
   std::string names;
-  for (const verifier::HostInfo& info : verifier::hosts) names += std::string(info.name) + ", ";
+  for (const tool::HostInfo& info : tool::hosts) names += std::string(info.name) + ", ";
   command
       .add_option("--host", options.host,
                   "Frames that the scene's clock makes ticks of: " + names +
@@ -111,13 +111,13 @@ void add_host_options(CLI::App& command, HostOptions& options) {
 Status use_clock(SessionInputs& inputs, const HostOptions& options, engine::Engine& engine) {
   const engine::Settings& settings = engine.scene().settings;
   if (options.host.empty() && settings.clock.kind != engine::ClockKind::adaptive) return {};
-  std::unique_ptr<verifier::HostFrames> frames = verifier::steady_frames(settings.dt);
+  std::unique_ptr<tool::HostFrames> frames = tool::steady_frames(settings.dt);
   if (!options.host.empty()) {
-    auto opened = verifier::open_host(options.host, options.seed);
+    auto opened = tool::open_host(options.host, options.seed);
     if (!opened) return opened.error();
     frames = *std::move(opened);
   }
-  auto clock = std::make_unique<verifier::ClockedInputs>(engine, std::move(inputs.source), std::move(frames));
+  auto clock = std::make_unique<tool::ClockedInputs>(engine, std::move(inputs.source), std::move(frames));
   inputs.clock = clock.get();
   inputs.source = std::move(clock);
   return {};

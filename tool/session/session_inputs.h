@@ -20,9 +20,9 @@ namespace ticktrue::cli {
 
 struct SessionInputs {
   std::unique_ptr<replay::InputSource> source;
-  const verifier::JsonLinesInputs* lines = nullptr;  // the JSON Lines among `source`; null: none
-  const verifier::ClockedInputs* clock = nullptr;    // the clock that sets the length of ticks; null: none
-  std::uint64_t ticks_expected = 0;                  // for the progress bar; 0: unknown
+  const tool::JsonLinesInputs* lines = nullptr;  // the JSON Lines among `source`; null: none
+  const tool::ClockedInputs* clock = nullptr;    // the clock that sets the length of ticks; null: none
+  std::uint64_t ticks_expected = 0;              // for the progress bar; 0: unknown
 };
 
 /// Adds --threads, the number of threads in a tick of the engine. A plug-in's tick always has one.

@@ -14,7 +14,7 @@
 #include "verifier/plugins/plugin.h"
 #include "verifier/report/report.h"
 
-namespace ticktrue::verifier {
+namespace ticktrue::tool {
 namespace {
 
 Result<std::unique_ptr<Simulation>> make_checked(ByteView setup, unsigned thread_count) {
@@ -53,7 +53,7 @@ engine::EngineOptions engine_options_of_environment() {
 
 std::vector<const SimulationInfo*> simulations() {
   std::vector<const SimulationInfo*> list{&engine_here()};
-  for (const SimulationInfo* info : plugin_simulations()) list.push_back(info);
+  for (const SimulationInfo* info : verifier::plugin_simulations()) list.push_back(info);
   return list;
 }
 
@@ -69,13 +69,13 @@ bool runs_on_threads(const SimulationInfo& info) {
 
 replay::BuildFacts make_build_facts(std::string_view simulation) {
   replay::BuildFacts facts = make_build_facts();
-  for (auto& fact : plugin_facts(simulation)) facts.push_back(std::move(fact));
+  for (auto& fact : verifier::plugin_facts(simulation)) facts.push_back(std::move(fact));
   return facts;
 }
 
 std::string tool_command(std::string_view simulation) {
-  const std::string library = plugin_path(simulation);
-  return library.empty() ? "ticktrue" : "ticktrue --plugin " + shell_word(library);
+  const std::string library = verifier::plugin_path(simulation);
+  return library.empty() ? "ticktrue" : "ticktrue --plugin " + verifier::shell_word(library);
 }
 
 std::string simulation_names() {
@@ -93,7 +93,7 @@ std::string other_simulation_hint(const std::string& file, const replay::BuildFa
     return std::any_of(facts.begin(), facts.end(),
                        [&](const auto& fact) { return fact.first.substr(0, prefix.size()) == prefix; });
   };
-  const std::string verify = "verify " + shell_word(file);
+  const std::string verify = "verify " + verifier::shell_word(file);
   const std::string by_program = "ticktrue " + verify + " --command './PROGRAM --verify {}'";
   const std::string by_plugin = "ticktrue --plugin LIB.so " + verify;
   if (has("plugin.")) return "a plug-in recorded it: " + by_plugin;
@@ -102,4 +102,4 @@ std::string other_simulation_hint(const std::string& file, const replay::BuildFa
          ". Of a program that owns its loop: " + by_program;
 }
 
-}  // namespace ticktrue::verifier
+}  // namespace ticktrue::tool

@@ -10,7 +10,7 @@
 #include "engine/engine.h"
 #include "replay/format/trace.h"
 
-namespace ticktrue::verifier {
+namespace ticktrue::tool {
 
 std::vector<const SimulationInfo*> simulations();
 
@@ -39,4 +39,4 @@ std::string simulation_names();
 /// that recorded the trace. `facts`: of the trace.
 std::string other_simulation_hint(const std::string& file, const replay::BuildFacts& facts);
 
-}  // namespace ticktrue::verifier
+}  // namespace ticktrue::tool

@@ -9,7 +9,7 @@
 #include "verifier/report/report.h"
 #include "verifier/verify/trace_source.h"
 
-namespace ticktrue::verifier {
+namespace ticktrue::tool {
 
 InputListing::InputListing(const replay::TraceSetup& setup) {
   Result<engine::Scene> scene = scene_of(setup);
@@ -47,7 +47,7 @@ bool InputListing::count(ByteView inputs, std::vector<std::uint64_t>& count_of_k
 
 TraceSummary summarize(replay::TraceReader& trace, const std::function<void(std::uint64_t, std::uint64_t)>& progress) {
   TraceSummary summary;
-  ReaderSource reader(trace);
+  verifier::ReaderSource reader(trace);
   InputListing listing(reader.setup());
   std::vector<std::uint64_t> count_of_kind(engine::input_kinds.size());
   bool inputs_are_readable = listing.is_readable();
@@ -78,10 +78,10 @@ TraceSummary summarize(replay::TraceReader& trace, const std::function<void(std:
   summary.rest_size = trace.size() > offset ? trace.size() - offset : 0;
   if (inputs_are_readable) summary.inputs = std::move(count_of_kind);
   summary.tail = reader.tail();
-  TraceEnd end{summary.tail, ""};
+  verifier::TraceEnd end{summary.tail, ""};
   set_salvaged(end, reader.salvaged_from());
   summary.salvaged_from = end.salvaged_from;
   return summary;
 }
 
-}  // namespace ticktrue::verifier
+}  // namespace ticktrue::tool

@@ -13,7 +13,7 @@
 #include "engine/scene/scene.h"
 #include "replay/trace_reader.h"
 
-namespace ticktrue::verifier {
+namespace ticktrue::tool {
 
 /// Converts the inputs of a trace back to the lines from which the inputs were recorded.
 class InputListing {
@@ -64,4 +64,4 @@ struct TraceSummary {
 /// Reads the trace from its start. `progress` (bytes done, bytes in total) may be empty.
 TraceSummary summarize(replay::TraceReader& trace, const std::function<void(std::uint64_t, std::uint64_t)>& progress);
 
-}  // namespace ticktrue::verifier
+}  // namespace ticktrue::tool

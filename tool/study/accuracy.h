@@ -21,7 +21,7 @@
 #include "tool/study/problems.h"
 #include "tool/study/verdict.h"
 
-namespace ticktrue::verifier {
+namespace ticktrue::tool {
 
 /// One method, which gives one curve of a diagram.
 struct Method {
@@ -146,4 +146,4 @@ const AccuracyPoint* coarsest(const AccuracyCurve& curve, double error);
 /// The text of a setting: "1/240" (s), "8 sub", "tol 1e-3".
 std::string setting_text(const Method& method, const Setting& setting);
 
-}  // namespace ticktrue::verifier
+}  // namespace ticktrue::tool

@@ -7,7 +7,7 @@
 
 #include "engine/math/trig.h"
 
-namespace ticktrue::verifier {
+namespace ticktrue::tool {
 
 /// Jacobi's sn(u, k), by descending Landen transformation.
 inline double jacobi_sn(double u, double k) {
@@ -43,4 +43,4 @@ inline double pendulum_angle(double amplitude, double w, double time_s) {
 inline constexpr double catenary_sag = 2.927214753;   // m, of the lowest point below the pegs
 inline constexpr double catenary_pull = 7.819953406;  // H: the horizontal force, in weights of a link
 
-}  // namespace ticktrue::verifier
+}  // namespace ticktrue::tool

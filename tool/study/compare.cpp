@@ -20,7 +20,7 @@
 #include "tool/session/clocked_inputs.h"
 #include "tool/study/table.h"
 
-namespace ticktrue::verifier {
+namespace ticktrue::tool {
 
 using engine::BodyReport;
 using engine::BodyType;
@@ -231,7 +231,10 @@ std::uint64_t bits_of(const StateView& view) {
 class TickMaker {
  public:
   TickMaker(const CompareSession& session, const Variant& variant, const CompareOptions& options, Engine& engine)
-      : session_(session), engine_(engine), uses_record_(!variant.dt && !variant.clock && !session.dts.empty()) {
+      : session_(session),
+        engine_(engine),
+        host_(variant.host),
+        uses_record_(!variant.dt && !variant.clock && !session.dts.empty()) {
     if (!variant.clock) return;
     auto frames = open_host(variant.host, options.host_seed);
     if (!frames) {
@@ -249,7 +252,12 @@ class TickMaker {
     if (clock_) {
       const auto input = clock_->next(tick);
       if (!input) return input.error();
-      if (*input) dt = (*input)->dt;
+      if (!*input)
+        return Error{ErrorCode::usage,
+                     "found no more frames of " + host_ + " after " + short_number(engine_.time_s()) + " s, expected " +
+                         short_number(session_.seconds) + " s of them",
+                     {}};
+      dt = (*input)->dt;
     }
     collect(engine_.time_s());
     return TickInput{dt, bytes_};
@@ -272,6 +280,7 @@ class TickMaker {
 
   const CompareSession& session_;
   Engine& engine_;
+  std::string host_;
   bool uses_record_;
   std::string error_;
   std::optional<ClockedInputs> clock_;
@@ -423,7 +432,7 @@ std::size_t elsewhere(const CrosscheckRun& a, const CrosscheckRun& b, double siz
 
 // Fills the values that depend on the base. `twin_rms[i]`: the largest RMS of the twins up to sample i.
 CompareRow against(const Trajectory& base, const Trajectory& trajectory, const std::vector<double>& twin_rms,
-                   const CompareSession& session, double size) {
+                   const CompareSession& session, int sample_count, double size) {
   CompareRow row = trajectory.row;
   if (!trajectory.why_not.empty()) {
     row.reason = trajectory.why_not;
@@ -442,7 +451,7 @@ CompareRow against(const Trajectory& base, const Trajectory& trajectory, const s
         break;
       }
   const std::size_t count = std::min(base.samples.size(), trajectory.samples.size());
-  const double interval = session.seconds / static_cast<double>(std::max<std::size_t>(1, base.samples.size()));
+  const double interval = session.seconds / sample_count;
   for (std::size_t i = 0; i < count; ++i) {
     CompareSample sample =
         apart(base.samples[i], trajectory.samples[i], interval * static_cast<double>(i + 1), trajectory.measures[i]);
@@ -501,12 +510,12 @@ Result<CompareReport> compare_variants(const CompareSession& session, const std:
 
   CompareReport report;
   report.size = layout.size;
-  report.base = against(base, base, {}, session, layout.size);
+  report.base = against(base, base, {}, session, options.sample_count, layout.size);
   report.base.verdict = base.is_finite ? CompareVerdict::same_bits : CompareVerdict::not_finite;
   std::vector<double> twin_rms(base.samples.size(), 0);
   std::size_t twins_with_other_outcome = 0;
   for (std::size_t i = 1; i <= twin_count; ++i) {
-    report.twins.push_back(against(base, trajectories[i], {}, session, layout.size));
+    report.twins.push_back(against(base, trajectories[i], {}, session, options.sample_count, layout.size));
     CompareRow& twin = report.twins.back();
     for (std::size_t k = 0; k < twin.samples.size() && k < twin_rms.size(); ++k)
       twin_rms[k] = std::max(twin_rms[k], twin.samples[k].position_rms);
@@ -516,7 +525,7 @@ Result<CompareReport> compare_variants(const CompareSession& session, const std:
   }
   for (std::size_t k = 1; k < twin_rms.size(); ++k) twin_rms[k] = std::max(twin_rms[k], twin_rms[k - 1]);
   for (std::size_t i = 1 + twin_count; i < trajectories.size(); ++i) {
-    CompareRow row = against(base, trajectories[i], twin_rms, session, layout.size);
+    CompareRow row = against(base, trajectories[i], twin_rms, session, options.sample_count, layout.size);
     const bool is_judged = row.verdict == CompareVerdict::drift || row.verdict == CompareVerdict::within_twins;
     if (is_judged && differs_in_outcome(report.base, row)) {
       if (twins_with_other_outcome == 0) row.verdict = CompareVerdict::other_outcome;
@@ -529,4 +538,4 @@ Result<CompareReport> compare_variants(const CompareSession& session, const std:
   return report;
 }
 
-}  // namespace ticktrue::verifier
+}  // namespace ticktrue::tool

@@ -27,7 +27,7 @@
 #include "tool/session/scene_key.h"
 #include "tool/study/measures.h"
 
-namespace ticktrue::verifier {
+namespace ticktrue::tool {
 
 /// A scene and its inputs.
 struct CompareSession {
@@ -167,4 +167,4 @@ std::optional<double> growth_rate(const std::vector<CompareSample>& samples);
 /// First time at which the RMS exceeds beyond_factor times the RMS of the twins.
 std::optional<double> first_beyond(const std::vector<CompareSample>& samples);
 
-}  // namespace ticktrue::verifier
+}  // namespace ticktrue::tool

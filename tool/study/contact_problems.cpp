@@ -9,7 +9,7 @@
 #include "tool/study/reference_numbers.h"
 #include "tool/study/worlds.h"
 
-namespace ticktrue::verifier {
+namespace ticktrue::tool {
 namespace {
 
 using engine::BodyReport;
@@ -429,4 +429,4 @@ std::vector<Problem> shape_problems() {
   return problems;
 }
 
-}  // namespace ticktrue::verifier
+}  // namespace ticktrue::tool

@@ -10,7 +10,7 @@
 #include "engine/math/trig.h"
 #include "tool/study/worlds.h"
 
-namespace ticktrue::verifier {
+namespace ticktrue::tool {
 namespace {
 
 using engine::Body;
@@ -512,4 +512,4 @@ std::span<const SuiteScene> crosscheck_suite() {
   return scenes;
 }
 
-}  // namespace ticktrue::verifier
+}  // namespace ticktrue::tool

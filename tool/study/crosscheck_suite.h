@@ -8,7 +8,7 @@
 
 #include "engine/scene/scene.h"
 
-namespace ticktrue::verifier {
+namespace ticktrue::tool {
 
 struct SuiteScene {
   std::string_view name;
@@ -21,4 +21,4 @@ struct SuiteScene {
 
 std::span<const SuiteScene> crosscheck_suite();
 
-}  // namespace ticktrue::verifier
+}  // namespace ticktrue::tool

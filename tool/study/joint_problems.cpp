@@ -9,7 +9,7 @@
 #include "tool/study/reference_numbers.h"
 #include "tool/study/worlds.h"
 
-namespace ticktrue::verifier {
+namespace ticktrue::tool {
 namespace {
 
 using engine::BodyReport;
@@ -361,4 +361,4 @@ std::vector<Problem> joint_problems() {
           cantilever()};
 }
 
-}  // namespace ticktrue::verifier
+}  // namespace ticktrue::tool

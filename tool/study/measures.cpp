@@ -11,7 +11,7 @@
 #include "engine/math/trig.h"
 #include "tool/drawing/joint_geometry.h"
 
-namespace ticktrue::verifier {
+namespace ticktrue::tool {
 
 using engine::BodyReport;
 using engine::BodyType;
@@ -169,4 +169,4 @@ SampleSpread spread_of(std::vector<double> samples) {
   return {samples.front(), at(0.5), at(0.75) - at(0.25)};
 }
 
-}  // namespace ticktrue::verifier
+}  // namespace ticktrue::tool

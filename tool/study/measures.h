@@ -13,7 +13,7 @@
 #include "base/result.h"
 #include "engine/engine.h"
 
-namespace ticktrue::verifier {
+namespace ticktrue::tool {
 
 using Bodies = std::vector<engine::BodyReport>;
 
@@ -72,4 +72,4 @@ struct SampleSpread {
 /// Requires: `samples` is not empty.
 SampleSpread spread_of(std::vector<double> samples);
 
-}  // namespace ticktrue::verifier
+}  // namespace ticktrue::tool

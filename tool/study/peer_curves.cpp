@@ -18,7 +18,7 @@
 #include "tool/box2d3/engine_program.h"
 #include "tool/study/worlds.h"
 
-namespace ticktrue::verifier {
+namespace ticktrue::tool {
 namespace {
 
 using engine::Point;
@@ -346,4 +346,4 @@ Result<std::vector<PeerCurves>> run_peer_curves(const PeerCurvesOptions& options
   return out;
 }
 
-}  // namespace ticktrue::verifier
+}  // namespace ticktrue::tool

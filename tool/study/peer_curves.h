@@ -23,7 +23,7 @@
 #include "tool/crosscheck/peers.h"
 #include "tool/study/measures.h"
 
-namespace ticktrue::verifier {
+namespace ticktrue::tool {
 
 struct PeerPoint {
   std::string setting;        // "8 sub", "16/6 it"
@@ -79,4 +79,4 @@ inline constexpr std::array<std::string_view, 6> peer_scene_names{
 /// of Box2D 3 or of the engine program.
 Result<std::vector<PeerCurves>> run_peer_curves(const PeerCurvesOptions& options);
 
-}  // namespace ticktrue::verifier
+}  // namespace ticktrue::tool

@@ -6,10 +6,10 @@
 
 #include "tool/study/problems.h"
 
-namespace ticktrue::verifier {
+namespace ticktrue::tool {
 
 std::vector<Problem> joint_problems();
 /// Impacts, friction, rest.
 std::vector<Problem> contact_problems();
 
-}  // namespace ticktrue::verifier
+}  // namespace ticktrue::tool

@@ -10,7 +10,7 @@
 #include "tool/study/problem_families.h"
 #include "tool/study/worlds.h"
 
-namespace ticktrue::verifier {
+namespace ticktrue::tool {
 
 using engine::BodyReport;
 using engine::Engine;
@@ -248,4 +248,4 @@ std::vector<Problem> verification_problems() {
   return problems;
 }
 
-}  // namespace ticktrue::verifier
+}  // namespace ticktrue::tool

@@ -16,7 +16,7 @@
 #include "engine/engine.h"
 #include "engine/scene/scene.h"
 
-namespace ticktrue::verifier {
+namespace ticktrue::tool {
 
 enum class ProblemClass : std::uint8_t { smooth, joint, impact, friction, rest, roll, slide, stack, bounce };
 inline constexpr std::array<std::string_view, 9> problem_class_names{"smooth", "joint", "impact", "friction", "rest",
@@ -92,4 +92,4 @@ std::vector<Problem> shape_problems();
 /// restitution < 1, or few bounces.
 double bouncing_height(double height, double restitution, double time_s);
 
-}  // namespace ticktrue::verifier
+}  // namespace ticktrue::tool

@@ -4,7 +4,7 @@
 
 // clang-format off
 
-namespace ticktrue::verifier {
+namespace ticktrue::tool {
 
 // Angles of a double pendulum from hanging down, rad: upper, lower at 2 s / 20, 4 s / 20, ... 2 s.
 inline constexpr double double_pendulum_90[]{
@@ -117,4 +117,4 @@ inline constexpr double rolled_angle[14][20]{
     },
 };
 
-}  // namespace ticktrue::verifier
+}  // namespace ticktrue::tool

@@ -13,7 +13,7 @@
 #include "verifier/runs/data_file.h"
 #include "verifier/runs/run_folder.h"
 
-namespace ticktrue::verifier {
+namespace ticktrue::tool {
 
 TextTable::TextTable(std::vector<std::string> head, std::size_t left) : left_(left) {
   rows_.push_back(std::move(head));
@@ -192,7 +192,11 @@ std::string curves_of(const Plot& plot, std::size_t index) {
     command += (command.empty() ? "plot " : ", ") + name + " using 1:2 with " + style_of(plot, curve) + " title " +
                quoted(curve.name);
   }
-  return blocks + (command.empty() ? std::string("plot NaN notitle") : command) + "\n";
+  if (command.empty())  // a logarithmic axis without values is an error of gnuplot
+    command =
+        "unset logscale\nset xrange [0:1]\nset yrange [0:1]\n"
+        "set label 1 'no finite value' at graph .5,.5 center\nplot NaN notitle\nunset label 1";
+  return blocks + command + "\n";
 }
 
 std::string script_of(const std::vector<Plot>& plots, const std::string& path) {
@@ -236,7 +240,7 @@ int close_pipe(std::FILE* pipe) {
 
 Status write_plots(const std::vector<Plot>& plots, const std::string& path, bool overwrite) {
   if (plots.empty()) return Error{ErrorCode::io, path + ": no curve to plot: found none, expected at least one", {}};
-  const Result<RunFolder> folder = RunFolder::make("ticktrue-plot", "");
+  const Result<verifier::RunFolder> folder = verifier::RunFolder::make("ticktrue-plot", "");
   if (!folder) return folder.error();
   const std::string drawn = folder->path() + "/plot.svg";
   std::FILE* pipe = open_pipe();
@@ -246,9 +250,9 @@ Status write_plots(const std::vector<Plot>& plots, const std::string& path, bool
   const int status = close_pipe(pipe);
   std::ifstream file(drawn, std::ios::binary);
   const std::string picture{std::istreambuf_iterator<char>(file), {}};
-  if (status == 0 && !picture.empty()) return write_data_file(path, picture, overwrite);
+  if (status == 0 && !picture.empty()) return verifier::write_data_file(path, picture, overwrite);
   return Error{ErrorCode::unsupported, path + ": no plot was made: found no working gnuplot, expected the program",
                "apt install gnuplot-nox, or use --csv"};
 }
 
-}  // namespace ticktrue::verifier
+}  // namespace ticktrue::tool

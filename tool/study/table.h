@@ -8,7 +8,7 @@
 
 #include "base/result.h"
 
-namespace ticktrue::verifier {
+namespace ticktrue::tool {
 
 inline constexpr std::size_t table_width_max = 120;  // columns of a line of text
 
@@ -65,4 +65,4 @@ struct Plot {
 /// alone, and only by a whole picture. Errors: io; unsupported if gnuplot is missing.
 Status write_plots(const std::vector<Plot>& plots, const std::string& path, bool overwrite);
 
-}  // namespace ticktrue::verifier
+}  // namespace ticktrue::tool

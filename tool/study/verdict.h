@@ -6,7 +6,7 @@
 #include <cstdint>
 #include <string_view>
 
-namespace ticktrue::verifier {
+namespace ticktrue::tool {
 
 /// not_judged: nothing is claimed. falls_short: the row misses the claim, and docs/study.md gives the reason.
 enum class StudyVerdict : std::uint8_t { pass, fail, not_judged, falls_short, not_applicable };
@@ -22,4 +22,4 @@ struct VerdictCounts {
   int of(StudyVerdict verdict) const { return by_verdict[static_cast<std::size_t>(verdict)]; }
 };
 
-}  // namespace ticktrue::verifier
+}  // namespace ticktrue::tool

@@ -7,7 +7,7 @@
 
 #include "engine/math/trig.h"
 
-namespace ticktrue::verifier::worlds {
+namespace ticktrue::worlds {
 
 using engine::Body;
 using engine::BodyType;
@@ -190,4 +190,4 @@ Scene catenary(Precision precision) {
   return scene;
 }
 
-}  // namespace ticktrue::verifier::worlds
+}  // namespace ticktrue::worlds

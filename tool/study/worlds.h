@@ -6,7 +6,7 @@
 
 #include "engine/scene/scene.h"
 
-namespace ticktrue::verifier::worlds {
+namespace ticktrue::worlds {
 
 engine::Shape box(double half_width, double half_height);
 engine::Shape disc(double radius);
@@ -49,4 +49,4 @@ engine::Scene chain(engine::Precision precision, int links, engine::Point direct
 /// Twenty links of 0.6 m and 1 kg between two pegs 10 m apart, with damping, in two straight lines.
 engine::Scene catenary(engine::Precision precision);
 
-}  // namespace ticktrue::verifier::worlds
+}  // namespace ticktrue::worlds

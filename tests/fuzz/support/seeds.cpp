@@ -414,7 +414,7 @@ void seed_sessions() {
       seed_text("input_lines", text);
     }
   const engine::Scene thesis = *engine::make_builtin_scene("thesis");
-  auto source = verifier::JsonLinesInputs::open(thesis, (root / "scenes/thesis_session.jsonl").string(), {});
+  auto source = tool::JsonLinesInputs::open(thesis, (root / "scenes/thesis_session.jsonl").string(), {});
   for (std::uint64_t tick = 0; source && tick < 300; ++tick) {
     const auto input = (*source)->next(tick);
     if (!input || !input->has_value()) break;
@@ -451,7 +451,7 @@ void seed_verdicts() {
     seed("verdict", verifier::encode_entry(entry));
     seed("verdict", entry.content);
   }
-  seed("verdict", verifier::encode_plan({{{1, 2}, {3}, {1}, {2}}}));
+  seed("verdict", tool::encode_plan({{{1, 2}, {3}, {1}, {2}}}));
 }
 
 /// The messages of two players whose states differ, in order.

@@ -25,8 +25,8 @@ const std::string good_second =
     R"({"tick":2,"bodies":[1,0,0.5,1,0,0,0,0],"contacts":[0,1,0,1,2,-0.5,0,-0.1,5,0.5,0,0,5]})";
 const std::string good_end = R"({"done":true,"clamped_tick":0,"ms_per_tick":0.5})";
 
-verifier::Box2d3Plan two_ticks() {
-  verifier::Box2d3Plan plan;
+tool::Box2d3Plan two_ticks() {
+  tool::Box2d3Plan plan;
   plan.tick_count = 2;
   plan.contact_window = 1;
   return plan;
@@ -39,7 +39,7 @@ std::string lines_of(const std::vector<std::string>& lines) {
 }
 
 std::string damage_found(const std::string& text) {
-  const auto answer = verifier::read_box2d3_answer(text, stack_scene(1), two_ticks());
+  const auto answer = tool::read_box2d3_answer(text, stack_scene(1), two_ticks());
   if (answer) return {};
   CHECK(answer.error().code == ErrorCode::corrupt);
   return answer.error().message;
@@ -61,11 +61,11 @@ class FakeNode {
   verifier::RunFolder folder_;
 };
 
-Error failure_with(const std::string& script, const verifier::Box2d3Options& options = {}) {
+Error failure_with(const std::string& script, const tool::Box2d3Options& options = {}) {
   const FakeNode fake(script);
-  const Variable folder(verifier::box2d3_variable, fake.path().string());
+  const Variable folder(tool::box2d3_variable, fake.path().string());
   const Variable path("PATH", fake.path().string() + ":/usr/bin:/bin");
-  const auto peer = verifier::make_box2d3_peer(stack_scene(1), options, two_ticks());
+  const auto peer = tool::make_box2d3_peer(stack_scene(1), options, two_ticks());
   if (peer) FAIL("a damaged answer made a peer");
   return peer.error();
 }
@@ -73,8 +73,8 @@ Error failure_with(const std::string& script, const verifier::Box2d3Options& opt
 }  // namespace
 
 TEST_CASE("a good answer of Box2D 3 is read whole", "[verifier][crosscheck][box2d3]") {
-  const auto answer = verifier::read_box2d3_answer(lines_of({good_head, good_first, good_second, good_end}),
-                                                   stack_scene(1), two_ticks());
+  const auto answer =
+      tool::read_box2d3_answer(lines_of({good_head, good_first, good_second, good_end}), stack_scene(1), two_ticks());
   if (!answer) FAIL(answer.error().message);
   CHECK(answer->package == "5.2.0");
   REQUIRE(answer->ticks.size() == 2);
@@ -145,10 +145,10 @@ TEST_CASE("a child that fails, hangs, prints too much or is killed gives an erro
   CHECK(status.message == "box2d3: node ended with status 3, expected 0");
   CHECK(status.hint == "box2d3: no wasm");
   CHECK_THAT(failure_with("kill -9 $$").message, Contains("was killed by signal 9"));
-  verifier::Box2d3Options quick;
+  tool::Box2d3Options quick;
   quick.time_max_s = 1;
   CHECK_THAT(failure_with("exec sleep 60", quick).message, Contains("did not end within 1 s"));
-  verifier::Box2d3Options small;
+  tool::Box2d3Options small;
   small.answer_size_max = 10000;
   const Error too_long = failure_with("exec yes", small);
   CHECK(too_long.code == ErrorCode::io);
@@ -159,23 +159,23 @@ TEST_CASE("a child that fails, hangs, prints too much or is killed gives an erro
 
   // The cross-check of such a child ends with the error: it has no report, and so no verdict.
   const FakeNode fake("echo nonsense");
-  const Variable folder(verifier::box2d3_variable, fake.path().string());
+  const Variable folder(tool::box2d3_variable, fake.path().string());
   const Variable path("PATH", fake.path().string() + ":/usr/bin:/bin");
-  verifier::CrosscheckOptions options;
-  options.peer = verifier::PeerKind::box2d3;
+  tool::CrosscheckOptions options;
+  options.peer = tool::PeerKind::box2d3;
   options.seed_count = 1;
   options.seconds = 1;
-  const auto report = verifier::crosscheck(stack_scene(1), options);
+  const auto report = tool::crosscheck(stack_scene(1), options);
   REQUIRE_FALSE(report);
   CHECK(report.error().code == ErrorCode::corrupt);
 }
 
 TEST_CASE("an answer that would be too large is refused before node starts", "[verifier][crosscheck][box2d3]") {
   const FakeNode fake("exit 3");
-  const Variable folder(verifier::box2d3_variable, fake.path().string());
-  verifier::Box2d3Plan plan;
+  const Variable folder(tool::box2d3_variable, fake.path().string());
+  tool::Box2d3Plan plan;
   plan.tick_count = 100'000'000;
-  const auto peer = verifier::make_box2d3_peer(stack_scene(1), {}, plan);
+  const auto peer = tool::make_box2d3_peer(stack_scene(1), {}, plan);
   REQUIRE_FALSE(peer);
   CHECK(peer.error().code == ErrorCode::limit);
   CHECK_THAT(peer.error().message, Contains("expected at most 256 MiB"));
@@ -184,24 +184,24 @@ TEST_CASE("an answer that would be too large is refused before node starts", "[v
 TEST_CASE("without node or package, the message says how to get them", "[verifier][crosscheck][box2d3]") {
   const FakeNode fake("exit 0");
   {
-    const Variable folder(verifier::box2d3_variable, "/nowhere");
-    const auto version = verifier::box2d3_version();
+    const Variable folder(tool::box2d3_variable, "/nowhere");
+    const auto version = tool::box2d3_version();
     REQUIRE_FALSE(version);
     CHECK(version.error().message ==
           "box2d3 needs node and npm's box2d3-wasm: TICKTRUE_BOX2D3: found no node_modules/box2d3-wasm in "
           "\"/nowhere\", expected one");
     CHECK_THAT(version.error().hint, Contains("./dev setup box2d3"));
   }
-  const Variable folder(verifier::box2d3_variable, fake.path().string());
+  const Variable folder(tool::box2d3_variable, fake.path().string());
   {
     const Variable path("PATH", fake.path().string());
-    CHECK(*verifier::box2d3_version() == "3 (box2d3-wasm 1.2.3)");
+    CHECK(*tool::box2d3_version() == "3 (box2d3-wasm 1.2.3)");
   }
   const Variable path("PATH", "/nowhere");
-  const auto version = verifier::box2d3_version();
+  const auto version = tool::box2d3_version();
   REQUIRE_FALSE(version);
   CHECK_THAT(version.error().message, Contains("box2d3 needs node and npm's box2d3-wasm: node cannot be started"));
-  CHECK_FALSE(verifier::make_box2d3_peer(stack_scene(1), {}, two_ticks()));
+  CHECK_FALSE(tool::make_box2d3_peer(stack_scene(1), {}, two_ticks()));
 }
 
 TEST_CASE("a program that the variable names answers in place of node", "[verifier][crosscheck][box2d3]") {
@@ -211,19 +211,19 @@ TEST_CASE("a program that the variable names answers in place of node", "[verifi
                          << lines_of({good_head, good_first, good_second, good_end}) << "END\n";
   std::filesystem::permissions(program, std::filesystem::perms::owner_all);
   {
-    const Variable folder(verifier::box2d3_variable, fake.path().string());
-    CHECK(verifier::box2d3_runs_in_node());
+    const Variable folder(tool::box2d3_variable, fake.path().string());
+    CHECK(tool::box2d3_runs_in_node());
   }
-  const Variable named(verifier::box2d3_variable, program);
-  CHECK_FALSE(verifier::box2d3_runs_in_node());
-  CHECK(*verifier::box2d3_version() == "3 (native 3.9.9)");
-  auto peer = verifier::make_box2d3_peer(stack_scene(1), {}, two_ticks());
+  const Variable named(tool::box2d3_variable, program);
+  CHECK_FALSE(tool::box2d3_runs_in_node());
+  CHECK(*tool::box2d3_version() == "3 (native 3.9.9)");
+  auto peer = tool::make_box2d3_peer(stack_scene(1), {}, two_ticks());
   if (!peer) FAIL(peer.error().message);
   (*peer)->step();
   CHECK((*peer)->bodies()[1].center.y == 0.5);
   CHECK((*peer)->ms_per_tick() == 0.5);
   std::ofstream(program) << "#!/bin/sh\necho nonsense\n";
-  const auto damaged = verifier::make_box2d3_peer(stack_scene(1), {}, two_ticks());
+  const auto damaged = tool::make_box2d3_peer(stack_scene(1), {}, two_ticks());
   REQUIRE_FALSE(damaged);
   CHECK_THAT(damaged.error().message, Contains("box2d3: the answer of own_box2d3: line 1"));
 }

@@ -25,10 +25,10 @@ using engine::BodyReport;
 
 // The bodies after the ticks.
 std::vector<BodyReport> run_box2d3(const Scene& scene, std::uint64_t tick_count,
-                                   const verifier::Box2d3Options& options = {}) {
-  verifier::Box2d3Plan plan;
+                                   const tool::Box2d3Options& options = {}) {
+  tool::Box2d3Plan plan;
   plan.tick_count = tick_count;
-  auto peer = verifier::make_box2d3_peer(scene, options, plan);
+  auto peer = tool::make_box2d3_peer(scene, options, plan);
   if (!peer) FAIL(peer.error().message + "\n" + peer.error().hint);
   for (std::uint64_t i = 0; i < tick_count; ++i) (*peer)->step();
   return (*peer)->bodies();
@@ -43,7 +43,7 @@ std::vector<BodyReport> run_own(const Scene& scene, std::uint64_t tick_count) {
 
 // Both engines move each body to the same place with as many substeps, within `margin` m and rad.
 void check_equal_motion(const Scene& scene, std::uint64_t tick_count, double margin) {
-  verifier::Box2d3Options options;
+  tool::Box2d3Options options;
   options.substeps = scene.settings.substeps;
   const std::vector<BodyReport> peer = run_box2d3(scene, tick_count, options);
   const std::vector<BodyReport> own = run_own(scene, tick_count);
@@ -59,7 +59,7 @@ void check_equal_motion(const Scene& scene, std::uint64_t tick_count, double mar
 
 // The error message; empty without an error.
 std::string refusal_of(const Scene& scene) {
-  const auto peer = verifier::make_box2d3_peer(scene, {}, {});
+  const auto peer = tool::make_box2d3_peer(scene, {}, {});
   if (peer) return {};
   CHECK(peer.error().code == ErrorCode::unsupported);
   return peer.error().message;
@@ -85,7 +85,7 @@ TEST_CASE("a falling body has our masses, and falls alike in both versions of Bo
   CHECK(bodies[0].velocity.y == Approx(-10).margin(1e-4));
   CHECK(bodies[0].angle == Approx(1).margin(1e-3));
   if (!has_box2d()) return;
-  auto older = verifier::make_box2d_peer(scene);
+  auto older = tool::make_box2d_peer(scene);
   REQUIRE(older);
   for (int i = 0; i < 60; ++i) (*older)->step();
   CHECK((*older)->bodies()[0].center.y == Approx(exact - 10.0 / 60 / 2).margin(1e-4));
@@ -106,10 +106,10 @@ TEST_CASE("in Box2D 3 a stack stands, its forces carry its weights, and lengths 
       if (body.type == BodyType::dynamic_body) body.mass = engine::ExplicitMass{1, {}, {}};
     }
     scene.gravity.y *= size;  // the same motion, smaller
-    verifier::Box2d3Plan plan;
+    tool::Box2d3Plan plan;
     plan.tick_count = 240;
     plan.contact_window = 1;
-    auto peer = verifier::make_box2d3_peer(scene, {}, plan);
+    auto peer = tool::make_box2d3_peer(scene, {}, plan);
     if (!peer) FAIL(peer.error().message);
     CHECK(((*peer)->length_scale() == 1) == (size == 1));
     for (int i = 0; i < 240; ++i) (*peer)->step();
@@ -283,11 +283,11 @@ TEST_CASE("Box2D 3 refuses what it lacks by name", "[verifier][crosscheck][box2d
 
 TEST_CASE("the cross-check judges a stack and refuses a pulley in Box2D 3", "[verifier][crosscheck][box2d3]") {
   SKIP_UNLESS(has_box2d3(), "no node, or no box2d3-wasm (./dev setup box2d3)");
-  verifier::CrosscheckOptions options;
-  options.peer = verifier::PeerKind::box2d3;
+  tool::CrosscheckOptions options;
+  options.peer = tool::PeerKind::box2d3;
   options.seed_count = 2;
   options.seconds = 3;
-  const auto report = verifier::crosscheck(stack_scene(4), options);
+  const auto report = tool::crosscheck(stack_scene(4), options);
   if (!report) FAIL(report.error().message);
   CHECK(report->box2d_version.find("3 (") == 0);
   CHECK(report->box2d_stood == 2);
@@ -300,10 +300,10 @@ TEST_CASE("the cross-check judges a stack and refuses a pulley in Box2D 3", "[ve
   pulled.joints[0].ground_anchor_a = {-1, 10};
   pulled.joints[0].ground_anchor_b = {1, 10};
   pulled.joints[0].length = 20;
-  const auto refused = verifier::crosscheck(pulled, options);
+  const auto refused = tool::crosscheck(pulled, options);
   if (!refused) FAIL(refused.error().message);
   REQUIRE(refused->rows.size() == 1);
-  CHECK(refused->rows[0].verdict == verifier::Agreement::not_applicable);
+  CHECK(refused->rows[0].verdict == tool::Agreement::not_applicable);
   CHECK(refused->rows[0].reason.find("Box2D 3 has no pulley joints") != std::string::npos);
 }
 
@@ -313,14 +313,14 @@ TEST_CASE("an installed Box2D 3 and npm's move a swinging chain and a stack alik
   const fs::path folder = fs::path(TICKTRUE_SOURCE_DIR) / "build" / "box2d3";
   SKIP_UNLESS(fs::exists(program), "no Box2D 3 was found when the build was configured");
   SKIP_UNLESS(fs::exists(folder / "node_modules"), "no box2d3-wasm (./dev setup box2d3)");
-  for (const Scene& scene : {verifier::worlds::chain(Precision::f32, 4, {1, 0}, 1), stack_scene(3)}) {
+  for (const Scene& scene : {worlds::chain(Precision::f32, 4, {1, 0}, 1), stack_scene(3)}) {
     std::vector<BodyReport> native, wasm;
     {
-      const Variable named(verifier::box2d3_variable, program.string());
+      const Variable named(tool::box2d3_variable, program.string());
       native = run_box2d3(scene, 30);
     }
     {
-      const Variable named(verifier::box2d3_variable, folder.string());
+      const Variable named(tool::box2d3_variable, folder.string());
       wasm = run_box2d3(scene, 30);
     }
     REQUIRE(native.size() == wasm.size());

@@ -19,8 +19,8 @@ std::unique_ptr<play::Player> open_player(const std::string& path) {
   return std::move(*player);
 }
 
-verifier::TraceChoices choices_of(replay::Detail detail, std::uint32_t interval) {
-  verifier::TraceChoices choices;
+tool::TraceChoices choices_of(replay::Detail detail, std::uint32_t interval) {
+  tool::TraceChoices choices;
   choices.detail = detail;
   choices.full_last = detail == replay::Detail::full ? UINT64_MAX : 0;
   choices.checkpoint_interval = interval;

@@ -56,13 +56,13 @@ PlayedSession play_script(const engine::Scene& scene, const std::string& script,
                           if (look) look(engine, now);
                           return scripted.next(picture);
                         });
-  verifier::TraceChoices choices;
+  tool::TraceChoices choices;
   choices.detail = replay::Detail::cells;
   replay::RecordOptions options;
   options.writer.sync = false;
   options.tick_count = 10'000;  // limit for a script that never quits
-  const auto result = replay::record(engine, session, path, verifier::make_trace_setup(engine, choices),
-                                     verifier::make_build_facts(), options);
+  const auto result =
+      replay::record(engine, session, path, tool::make_trace_setup(engine, choices), tool::make_build_facts(), options);
   if (!result) FAIL(result.error().message);
   played.trace = file_bytes(path);
   played.tick_count = result->tick_count;
@@ -71,13 +71,13 @@ PlayedSession play_script(const engine::Scene& scene, const std::string& script,
 }
 
 void record_flipped(const engine::Scene& scene, std::uint64_t tick_count, std::uint64_t flip_tick, std::uint32_t body,
-                    const verifier::TraceChoices& choices, const std::string& path) {
+                    const tool::TraceChoices& choices, const std::string& path) {
   const auto made = make_engine_or_fail(scene);
   engine::Engine& engine = *made;
   replay::WriterOptions options;
   options.sync = false;
-  auto writer = replay::TraceWriter::create(path, verifier::make_trace_setup(engine, choices),
-                                            verifier::make_build_facts(), options);
+  auto writer =
+      replay::TraceWriter::create(path, tool::make_trace_setup(engine, choices), tool::make_build_facts(), options);
   REQUIRE(writer);
   for (std::uint64_t tick = 0; tick < tick_count; ++tick) {
     if (writer->wants_checkpoint()) REQUIRE(writer->checkpoint(engine.state(), root_hash(engine.state())));

@@ -50,6 +50,6 @@ engine::Scene builtin_scene(const char* text);
 /// Records `tick_count` ticks of the scene. At the end of tick `flip_tick`, the lowest bit of a value of a body flips
 /// in the recorded run. This build therefore cannot repeat the trace. If `flip_tick` is after the end, no bit flips.
 void record_flipped(const engine::Scene& scene, std::uint64_t tick_count, std::uint64_t flip_tick, std::uint32_t body,
-                    const verifier::TraceChoices& choices, const std::string& path);
+                    const tool::TraceChoices& choices, const std::string& path);
 
 }  // namespace ticktrue::test

@@ -117,7 +117,7 @@ TEST_CASE("what was played verifies, from the scene inside the trace", "[play][v
     const PlayedSession played = play_script(test::builtin_scene(name), busy_script(), 60, path);
     auto reader = replay::TraceReader::open(path);
     REQUIRE(reader);
-    CHECK(*verifier::scene_of(reader->setup()) == played.playable->scene);
+    CHECK(*tool::scene_of(reader->setup()) == played.playable->scene);
     verifier::VerifyOptions options;
     options.simulation = &engine::engine_info();
     const verifier::Report report = verifier::verify(*reader, options);

@@ -16,7 +16,7 @@
 #include "tool/study/stress/stress_run_time.h"
 
 using namespace ticktrue;
-using namespace ticktrue::verifier;
+using namespace ticktrue::tool;
 using engine::Precision;
 using test::contains;
 
@@ -29,10 +29,10 @@ bool begins_with(const std::string& name, std::string_view start) {
 }
 
 // Rows of a case with these values of its methods, judged and excused.
-std::vector<StressRow> judged(const StressCase& c, const std::vector<double>& values,
-                              Precision precision = Precision::f32) {
+std::vector<tool::StressRow> judged(const tool::StressCase& c, const std::vector<double>& values,
+                                    Precision precision = Precision::f32) {
   REQUIRE(values.size() == c.methods.size());
-  std::vector<StressRow> rows(values.size());
+  std::vector<tool::StressRow> rows(values.size());
   for (std::size_t i = 0; i < rows.size(); ++i) {
     rows[i].method = c.methods[i].name;
     rows[i].precision = precision;
@@ -43,15 +43,15 @@ std::vector<StressRow> judged(const StressCase& c, const std::vector<double>& va
   return rows;
 }
 
-StressCase bounded_by_one(std::vector<StressMethod> methods) {
-  StressCase c;
+tool::StressCase bounded_by_one(std::vector<tool::StressMethod> methods) {
+  tool::StressCase c;
   c.upper = 1;
   c.methods = std::move(methods);
   return c;
 }
 
-std::vector<StressRow> rows_of(std::vector<std::string> names, std::vector<Precision> precisions) {
-  StressOptions options;
+std::vector<tool::StressRow> rows_of(std::vector<std::string> names, std::vector<Precision> precisions) {
+  tool::StressOptions options;
   options.names = std::move(names);
   options.precisions = std::move(precisions);
   const auto rows = run_stress(options);
@@ -59,9 +59,9 @@ std::vector<StressRow> rows_of(std::vector<std::string> names, std::vector<Preci
   return *rows;
 }
 
-const StressRow& row_of(const std::vector<StressRow>& rows, std::string_view name, std::string_view method,
-                        Precision precision = Precision::f32) {
-  const auto found = std::find_if(rows.begin(), rows.end(), [&](const StressRow& row) {
+const tool::StressRow& row_of(const std::vector<tool::StressRow>& rows, std::string_view name, std::string_view method,
+                              Precision precision = Precision::f32) {
+  const auto found = std::find_if(rows.begin(), rows.end(), [&](const tool::StressRow& row) {
     return row.name == name && row.method == method && row.precision == precision;
   });
   CAPTURE(name, method);
@@ -72,49 +72,49 @@ const StressRow& row_of(const std::vector<StressRow>& rows, std::string_view nam
 }  // namespace
 
 TEST_CASE("a method that a document names as the cure is never excused", "[verifier][study][stress]") {
-  StressCase c = bounded_by_one(contact_methods());
-  CHECK(judged(c, {0.5, 2, 0.5, 0.5})[1].verdict == StudyVerdict::falls_short);
+  tool::StressCase c = bounded_by_one(tool::contact_methods());
+  CHECK(judged(c, {0.5, 2, 0.5, 0.5})[1].verdict == tool::StudyVerdict::falls_short);
   c.cures = {{"tgs_soft auto", "README.md"}};
   c.shortfalls = {{"tgs_soft auto", "known", 0, 10}};
-  const std::vector<StressRow> rows = judged(c, {0.5, 2, 0.5, 0.5});
-  CHECK(rows[1].verdict == StudyVerdict::fail);
+  const std::vector<tool::StressRow> rows = judged(c, {0.5, 2, 0.5, 0.5});
+  CHECK(rows[1].verdict == tool::StudyVerdict::fail);
   CHECK(contains(rows[1].reason, "README.md"));
-  CHECK(judged(c, {2, 0.5, 2, 2})[0].verdict == StudyVerdict::falls_short);
+  CHECK(judged(c, {2, 0.5, 2, 2})[0].verdict == tool::StudyVerdict::falls_short);
 }
 
 TEST_CASE("what falls short is told as far as it is known, and no farther", "[verifier][study][stress]") {
-  StressCase c = bounded_by_one(contact_methods());
+  tool::StressCase c = bounded_by_one(tool::contact_methods());
   c.shortfalls = {{"tgs_soft", "known", 0, 3, Precision::f32}};
-  CHECK(judged(c, {2, 2, 2, 2})[0].verdict == StudyVerdict::falls_short);
+  CHECK(judged(c, {2, 2, 2, 2})[0].verdict == tool::StudyVerdict::falls_short);
   CHECK(judged(c, {2, 2, 2, 2})[0].reason == "known");
-  CHECK(judged(c, {2, 2, 2, 2})[1].verdict == StudyVerdict::fail);
-  CHECK(judged(c, {4, 2, 2, 2})[0].verdict == StudyVerdict::fail);
-  CHECK(judged(c, {2, 2, 2, 2}, Precision::f64)[0].verdict == StudyVerdict::fail);
-  CHECK(judged(c, {std::nan(""), 2, 2, 2})[0].verdict == StudyVerdict::fail);
+  CHECK(judged(c, {2, 2, 2, 2})[1].verdict == tool::StudyVerdict::fail);
+  CHECK(judged(c, {4, 2, 2, 2})[0].verdict == tool::StudyVerdict::fail);
+  CHECK(judged(c, {2, 2, 2, 2}, Precision::f64)[0].verdict == tool::StudyVerdict::fail);
+  CHECK(judged(c, {std::nan(""), 2, 2, 2})[0].verdict == tool::StudyVerdict::fail);
 }
 
 TEST_CASE("an integrator that passes excuses no other one", "[verifier][study][stress]") {
-  const StressCase c = bounded_by_one(integrator_methods());
+  const tool::StressCase c = bounded_by_one(tool::integrator_methods());
   std::vector<double> values(c.methods.size(), 0.5);
   values[2] = 2;
   REQUIRE_FALSE(c.methods[2].is_baseline);
-  CHECK(judged(c, values)[2].verdict == StudyVerdict::fail);
+  CHECK(judged(c, values)[2].verdict == tool::StudyVerdict::fail);
 }
 
 TEST_CASE("a row tells the precision that its case ran with", "[verifier][study][stress]") {
   // Spring cases only run once, in f64.
   for (const std::vector<Precision>& asked :
        {std::vector<Precision>{Precision::f32}, {Precision::f32, Precision::f64}}) {
-    const std::vector<StressRow> rows = rows_of({"spring_sag_1e", "spring_damping_1e"}, asked);
+    const std::vector<tool::StressRow> rows = rows_of({"spring_sag_1e", "spring_damping_1e"}, asked);
     std::set<std::string> seen;
-    for (const StressRow& row : rows) {
+    for (const tool::StressRow& row : rows) {
       CAPTURE(row.name, row.method);
       CHECK(row.precision == Precision::f64);
       CHECK(seen.insert(row.name + row.method).second);
     }
   }
   // Other cases run in each requested precision, and depend on it: f32 has 24 bits.
-  const std::vector<StressRow> rows = rows_of({"far_1000"}, {Precision::f32, Precision::f64});
+  const std::vector<tool::StressRow> rows = rows_of({"far_1000"}, {Precision::f32, Precision::f64});
   CHECK(row_of(rows, "far_1000", "tgs_soft", Precision::f64).value < 1e-9);
   CHECK(row_of(rows, "far_1000", "tgs_soft", Precision::f32).value > 1e-9);
 }
@@ -134,10 +134,10 @@ TEST_CASE("the cases that README gives automatic substeps as the cure for are ju
   }
   REQUIRE_FALSE(named.empty());
   int count = 0;
-  for (const StressCase& c : stress_cases()) {
+  for (const tool::StressCase& c : tool::stress_cases()) {
     const bool is_named =
         std::any_of(named.begin(), named.end(), [&](const std::string& name) { return begins_with(c.name, name); });
-    const bool is_cured = std::any_of(c.cures.begin(), c.cures.end(), [](const StressCure& cure) {
+    const bool is_cured = std::any_of(c.cures.begin(), c.cures.end(), [](const tool::StressCure& cure) {
       return cure.place == "README.md" && cure.method == "tgs_soft auto";
     });
     CAPTURE(c.name);
@@ -150,17 +150,18 @@ TEST_CASE("the cases that README gives automatic substeps as the cure for are ju
 TEST_CASE("each shortfall and each cure of a stress case is one of a method of its, and stands in the documents",
           "[verifier][study][stress][docs]") {
   const std::string study = source_tree::read_text(root + "/docs/study.md");
-  for (const StressCase& c : stress_cases()) {
+  for (const tool::StressCase& c : tool::stress_cases()) {
     CAPTURE(c.name);
     const auto has_method = [&](const std::string& name) {
-      return std::any_of(c.methods.begin(), c.methods.end(), [&](const StressMethod& m) { return m.name == name; });
+      return std::any_of(c.methods.begin(), c.methods.end(),
+                         [&](const tool::StressMethod& m) { return m.name == name; });
     };
-    for (const StressShortfall& known : c.shortfalls) {
+    for (const tool::StressShortfall& known : c.shortfalls) {
       CAPTURE(known.reason);
       CHECK(has_method(known.method));
       CHECK(contains(study, known.reason));
     }
-    for (const StressCure& cure : c.cures) {
+    for (const tool::StressCure& cure : c.cures) {
       CHECK(has_method(cure.method));
       CHECK_FALSE(source_tree::read_text(root + "/" + cure.place).empty());
     }
@@ -168,25 +169,25 @@ TEST_CASE("each shortfall and each cure of a stress case is one of a method of i
 }
 
 TEST_CASE("automatic substeps see loads that are not weight, and fixed ones do not", "[verifier][study][stress]") {
-  const std::vector<StressRow> rows = rows_of(
+  const std::vector<tool::StressRow> rows = rows_of(
       {"load_force_5_10000", "load_input_5_10000", "load_ram_5_10000", "load_pointer_5_100", "load_pusher_5_100"},
       {Precision::f32});
   for (const char* name : {"load_force_5_10000", "load_input_5_10000", "load_ram_5_10000"}) {
     CHECK(row_of(rows, name, "tgs_soft").value > 100);
-    CHECK(row_of(rows, name, "tgs_soft").verdict == StudyVerdict::falls_short);
+    CHECK(row_of(rows, name, "tgs_soft").verdict == tool::StudyVerdict::falls_short);
     CHECK(row_of(rows, name, "tgs_soft auto").value > 0.8);
   }
-  for (const StressRow& row : rows) {
+  for (const tool::StressRow& row : rows) {
     CAPTURE(row.name, row.method, row.reason);
-    CHECK(row.verdict != StudyVerdict::not_applicable);
-    CHECK(row.verdict != StudyVerdict::fail);
-    if (row.method == "tgs_soft auto") CHECK(row.verdict == StudyVerdict::pass);
+    CHECK(row.verdict != tool::StudyVerdict::not_applicable);
+    CHECK(row.verdict != tool::StudyVerdict::fail);
+    if (row.method == "tgs_soft auto") CHECK(row.verdict == tool::StudyVerdict::pass);
   }
 }
 
 TEST_CASE("bolas keep their energy and their joints with automatic substeps, and not at the default",
           "[verifier][study][stress]") {
-  const std::vector<StressRow> rows = rows_of({"floating_bolas_20", "floating_bolas_50"}, {Precision::f64});
+  const std::vector<tool::StressRow> rows = rows_of({"floating_bolas_20", "floating_bolas_50"}, {Precision::f64});
   CHECK(row_of(rows, "floating_bolas_20_energy", "tgs_soft", Precision::f64).value > 0.1);
   CHECK(row_of(rows, "floating_bolas_20_energy", "tgs_soft auto", Precision::f64).value < 1e-4);
   CHECK(row_of(rows, "floating_bolas_20_gap", "tgs_soft direct", Precision::f64).value < 1e-8);
@@ -196,10 +197,10 @@ TEST_CASE("bolas keep their energy and their joints with automatic substeps, and
 
 TEST_CASE("mechanisms gain no energy, whatever the joint, the integrator and the solver of joints",
           "[verifier][study][stress]") {
-  const std::vector<StressRow> rows = rows_of({"gain_", "direct_gain_"}, {Precision::f64});
+  const std::vector<tool::StressRow> rows = rows_of({"gain_", "direct_gain_"}, {Precision::f64});
   int count = 0;
-  for (const StressRow& row : rows) {
-    if (row.verdict == StudyVerdict::not_applicable || row.method == "explicit_euler") continue;
+  for (const tool::StressRow& row : rows) {
+    if (row.verdict == tool::StudyVerdict::not_applicable || row.method == "explicit_euler") continue;
     CAPTURE(row.name, row.method);
     // No mechanism has damping, so the kept share of the swing is no accident.
     const bool is_direct = begins_with(row.name, "direct_") && row.name != "direct_gain_gear";
@@ -214,13 +215,13 @@ TEST_CASE("mechanisms gain no energy, whatever the joint, the integrator and the
 
 TEST_CASE("run times of automatic and fixed substeps are taken in turns over the same ticks",
           "[verifier][study][stress]") {
-  RunTimeOptions options;
+  tool::RunTimeOptions options;
   options.names = {"dominoes"};
   options.tick_count = 20;
   const auto rows = run_times(options);
   REQUIRE(rows.has_value());
   REQUIRE(rows->size() == 1);
-  const RunTimeRow& row = rows->front();
+  const tool::RunTimeRow& row = rows->front();
   CHECK(row.tick_count == 20);
   CHECK(row.automatic_s > 0);
   CHECK(row.fixed_s > 0);

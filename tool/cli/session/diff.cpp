@@ -31,9 +31,9 @@ int fail_open(const Error& error) {
 
 verifier::DiffOptions options_for(const replay::TraceReader& reader, Progress& progress) {
   verifier::DiffOptions options;
-  options.simulation = verifier::find_simulation(reader.setup().simulation);
-  options.tool = options.simulation == nullptr ? "" : verifier::tool_command(options.simulation->name);
-  options.setup_keys = verifier::scene_differences;
+  options.simulation = tool::find_simulation(reader.setup().simulation);
+  options.tool = options.simulation == nullptr ? "" : tool::tool_command(options.simulation->name);
+  options.setup_keys = tool::scene_differences;
   options.progress = [&](std::uint64_t ticks_done) { progress.update(ticks_done); };
   return options;
 }

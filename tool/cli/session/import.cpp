@@ -28,12 +28,12 @@ struct MouseOptions {
 
 Result<std::vector<engine::Input>> make_inputs(const MouseOptions& options, const engine::Scene& scene) {
   if (options.model_seed)
-    return verifier::model_mouse_session(scene, *options.model_seed, static_cast<double>(options.seconds));
+    return tool::model_mouse_session(scene, *options.model_seed, static_cast<double>(options.seconds));
   const Result<std::string> csv = read_text_file(options.csv, session_file_size_max);
   if (!csv) return csv.error();
-  verifier::MouseImportOptions import_options;
+  tool::MouseImportOptions import_options;
   import_options.right_presses = options.right_presses;
-  return verifier::import_mouse(*csv, options.csv, scene, import_options);
+  return tool::import_mouse(*csv, options.csv, scene, import_options);
 }
 
 Status write_lines(const engine::Scene& scene, const std::vector<engine::Input>& inputs, const MouseOptions& options) {
@@ -106,9 +106,9 @@ int run_import_rube(const RubeOptions& options) {
       return fail_usage(status.error());
   if (const Status status = verifier::check_not_read(options.output, {options.file}); !status)
     return fail_usage(status.error());
-  const Result<std::string> json = read_text_file(options.file, verifier::rube_file_size_max);
+  const Result<std::string> json = read_text_file(options.file, tool::rube_file_size_max);
   if (!json) return fail_usage(json.error());
-  const auto imported = verifier::import_rube(*json, options.file, scene_name(options.file));
+  const auto imported = tool::import_rube(*json, options.file, scene_name(options.file));
   if (!imported) return fail_usage(imported.error());
   for (const std::string& note : imported->notes) print_note(options.file + ": " + note);
   const engine::Scene& scene = imported->scene;

@@ -35,7 +35,7 @@ struct RecordCommand {
 };
 
 int run_record(const RecordCommand& options) {
-  verifier::TraceChoices choices;
+  tool::TraceChoices choices;
   choices.checkpoint_interval = static_cast<std::uint32_t>(options.checkpoint_interval);
   if (const Status status = parse_detail(options.detail, choices); !status) return fail_usage(status.error());
   if (const Status status = check_threads(options.thread_count); !status) return fail_usage(status.error());
@@ -59,7 +59,7 @@ int run_record(const RecordCommand& options) {
     return fail_usage(status.error());
   if (const Status status = verifier::check_not_read(options.output, {options.scene, options.inputs}); !status)
     return fail_usage(status.error());
-  const std::vector<std::string> notes = verifier::scene_notes(*scene);
+  const std::vector<std::string> notes = tool::scene_notes(*scene);
   for (const std::string& note : notes) print_note(note);
   catch_stop_signals();
   Result<SessionInputs> inputs =
@@ -81,9 +81,8 @@ int run_record(const RecordCommand& options) {
     progress.update(done);
     return !stop_requested();
   };
-  const auto result =
-      replay::record(engine, *inputs->source, options.output, verifier::make_trace_setup(engine, choices),
-                     verifier::make_build_facts(), record_options);
+  const auto result = replay::record(engine, *inputs->source, options.output, tool::make_trace_setup(engine, choices),
+                                     tool::make_build_facts(), record_options);
   progress.finish();
   if (!result) return fail_usage(with_input_place(result.error(), *inputs, engine));
   if (result->reason == replay::EndReason::interrupted && result->tick_count == 0) {
@@ -122,7 +121,7 @@ int run_record(const RecordCommand& options) {
                       result->size));
     if (inputs->lines != nullptr)
       print(fmt::format("  inputs  {}, of which {} to bodies already removed\n", input_count, engine.ignored_inputs()));
-    const std::string budget = verifier::budget_text(engine.budget_report(), result->tick_count);
+    const std::string budget = tool::budget_text(engine.budget_report(), result->tick_count);
     if (!budget.empty()) print(fmt::format("  budget  {}\n", budget));
     if (inputs->clock != nullptr) print(fmt::format("  clock   {}\n", clock_text(*scene, inputs->clock->report())));
     print(fmt::format("  time    {:.4g} ms/tick (mean, without writing)\n", tick_ms));
@@ -139,7 +138,7 @@ int run_record(const RecordCommand& options) {
 
 }  // namespace
 
-Status parse_detail(const std::string& text, verifier::TraceChoices& choices) {
+Status parse_detail(const std::string& text, tool::TraceChoices& choices) {
   const std::size_t colon = text.find(':');
   const std::string name = text.substr(0, colon);
   for (const replay::DetailInfo& info : replay::details) {

@@ -26,7 +26,7 @@ namespace {
 
 using reduce::Failure;
 using reduce::Predicate;
-using verifier::soak::SoakCase;
+using soak::SoakCase;
 
 struct ReduceCommand {
   std::string session;
@@ -92,13 +92,13 @@ std::unique_ptr<Predicate> ask_program(const ReduceCommand& command, const std::
 }
 
 MadePredicate expectation(const std::string& text) {
-  Result<verifier::Expression> expression = verifier::Expression::parse(text, "--expect");
+  Result<tool::Expression> expression = tool::Expression::parse(text, "--expect");
   if (!expression) return expression.error();
   return reduce::broken_expectation(*std::move(expression), engine::make_engine);
 }
 
 MadePredicate check_of(const ReduceCommand& command, const std::string& folder) {
-  verifier::soak::OracleOptions options;
+  soak::OracleOptions options;
   options.make = engine::make_engine;
   options.files.path = folder + "/world.ttr";
   std::error_code failed;
@@ -167,12 +167,12 @@ Result<bool> is_foreign(const ReduceCommand& command) {
 
 /// What a plug-in's session needs. Errors: usage.
 Result<const SimulationInfo*> recorder_of(const ReduceCommand& command, const reduce::ForeignSession& session) {
-  const SimulationInfo* recorder = verifier::find_simulation(session.setup.simulation);
+  const SimulationInfo* recorder = tool::find_simulation(session.setup.simulation);
   if (recorder == nullptr)
-    return Error{ErrorCode::usage,
-                 command.session + ": simulation: found " + session.setup.simulation + ", expected " +
-                     verifier::simulation_names(),
-                 "--plugin LIB.so loads the simulation that records the session anew"};
+    return Error{
+        ErrorCode::usage,
+        command.session + ": simulation: found " + session.setup.simulation + ", expected " + tool::simulation_names(),
+        "--plugin LIB.so loads the simulation that records the session anew"};
   if (!command.program.empty() && !command.once) return recorder;
   return Error{ErrorCode::usage, "reduce: found no --command and -o, expected them for a session of a plug-in",
                "as in --command 'ticktrue --plugin other.so verify {} --json'"};
@@ -238,7 +238,7 @@ std::string expect_help() {
   std::string text =
       "An expression that holds before the first tick and is broken later. Names, each also with _start "
       "for the value before the first tick:";
-  for (const verifier::WorldValueInfo& info : verifier::world_values) text += " " + std::string(info.name);
+  for (const tool::WorldValueInfo& info : tool::world_values) text += " " + std::string(info.name);
   return text;
 }
 

@@ -105,7 +105,7 @@ std::string json_line(const engine::Engine& engine, std::uint64_t tick) {
 }
 
 /// Prints how the playback ended, and returns the exit code.
-int report_end(const std::string& file, const verifier::PlaybackResult& result) {
+int report_end(const std::string& file, const tool::PlaybackResult& result) {
   int code = exit_ok;
   if (result.tail && result.tail->condition != replay::TraceCondition::complete) {
     code = exit_code_of_condition(result.tail->condition);
@@ -135,7 +135,7 @@ Result<int> play(replay::TraceReader& reader, const ReplayOptions& options, cons
   std::optional<Progress> progress;
   if (with_progress) progress.emplace("replay " + options.file, total);
   const auto result =
-      verifier::play_trace(reader, range.first, range.last, [&](const engine::Engine& engine, std::uint64_t tick) {
+      tool::play_trace(reader, range.first, range.last, [&](const engine::Engine& engine, std::uint64_t tick) {
         if (progress) progress->update(tick - range.first);
         if ((tick - range.first) % options.every == 0) written = emit(engine, tick);
         return written.has_value() && output_is_open() && !stop_requested();
@@ -146,11 +146,11 @@ Result<int> play(replay::TraceReader& reader, const ReplayOptions& options, cons
   return report_end(options.file, *result);
 }
 
-Result<verifier::CsvColumns> columns_of(const replay::TraceReader& reader, const ReplayOptions& options) {
-  if (options.format != "csv") return verifier::CsvColumns{};
-  const Result<engine::Scene> scene = verifier::scene_of(reader.setup());
+Result<tool::CsvColumns> columns_of(const replay::TraceReader& reader, const ReplayOptions& options) {
+  if (options.format != "csv") return tool::CsvColumns{};
+  const Result<engine::Scene> scene = tool::scene_of(reader.setup());
   if (!scene) return Error{scene.error().code, options.file + ": " + scene.error().message, scene.error().hint};
-  return verifier::CsvColumns::make(options.columns, *scene, "--columns");
+  return tool::CsvColumns::make(options.columns, *scene, "--columns");
 }
 
 int write_text(replay::TraceReader& reader, const ReplayOptions& options, const TickRange& range) {
@@ -178,7 +178,7 @@ int write_pictures(replay::TraceReader& reader, const ReplayOptions& options, co
   if (options.output.empty() || options.output == "-")
     return fail_usage(Error{ErrorCode::usage, "--output: found none, expected a directory for the pictures",
                             "add -o frames: it is made if missing"});
-  const Result<engine::Scene> scene = verifier::scene_of(reader.setup());
+  const Result<engine::Scene> scene = tool::scene_of(reader.setup());
   if (!scene) return fail(Error{scene.error().code, options.file + ": " + scene.error().message, scene.error().hint});
   const auto start = engine::make_engine(*scene);
   if (!start) return fail(start.error());
@@ -188,22 +188,21 @@ int write_pictures(replay::TraceReader& reader, const ReplayOptions& options, co
     return fail_usage(Error{ErrorCode::io, options.output + ": cannot create the directory: " + failure.message(), ""});
 
   // Twice: the first time to see where things go, so that all pictures share one readable view.
-  verifier::WorldBox visited;
-  const auto look =
-      verifier::play_trace(reader, range.first, range.last, [&](const engine::Engine& engine, std::uint64_t) {
-        for (const engine::BodyReport& body : engine.bodies())
-          if (body.type != engine::BodyType::static_body) visited.add(verifier::box_of(body));
-        return !stop_requested();
-      });
+  tool::WorldBox visited;
+  const auto look = tool::play_trace(reader, range.first, range.last, [&](const engine::Engine& engine, std::uint64_t) {
+    for (const engine::BodyReport& body : engine.bodies())
+      if (body.type != engine::BodyType::static_body) visited.add(tool::box_of(body));
+    return !stop_requested();
+  });
   if (!look) return fail(Error{look.error().code, options.file + ": " + look.error().message, look.error().hint});
-  const verifier::WorldBox view = verifier::choose_view(**start, visited);
+  const tool::WorldBox view = tool::choose_view(**start, visited);
 
   std::uint64_t picture_count = 0;
   const auto code = play(reader, options, range, true, [&](const engine::Engine& engine, std::uint64_t tick) -> Status {
     const std::string path = (fs::path(options.output) / fmt::format("frame_{:08}.svg", tick)).string();
     auto file = verifier::DataFile::create(path, options.force);
     if (!file) return file.error();
-    if (const Status status = file->write(verifier::svg_picture(engine, tick, view)); !status) return status;
+    if (const Status status = file->write(tool::svg_picture(engine, tick, view)); !status) return status;
     ++picture_count;
     return file->close();
   });
@@ -219,12 +218,12 @@ int write_stages(replay::TraceReader& reader, const ReplayOptions& options, cons
                             "--ticks: found " + (options.ticks.empty() ? "none" : options.ticks) +
                                 ", expected one tick with --format stages",
                             ""});
-  const SimulationInfo* info = verifier::find_simulation(reader.setup().simulation);
+  const SimulationInfo* info = tool::find_simulation(reader.setup().simulation);
   if (info == nullptr)
-    return fail(Error{ErrorCode::unsupported,
-                      options.file + ": simulation: found " + reader.setup().simulation + ", expected " +
-                          verifier::simulation_names(),
-                      ""});
+    return fail(Error{
+        ErrorCode::unsupported,
+        options.file + ": simulation: found " + reader.setup().simulation + ", expected " + tool::simulation_names(),
+        ""});
   verifier::ReaderSource source(reader);
   const auto states = verifier::stage_states(source, *info, range.first);
   if (!states) return fail(Error{states.error().code, options.file + ": " + states.error().message, ""});
@@ -266,12 +265,11 @@ int run_replay(const ReplayOptions& options) {
     return replay_plugin(*reader, range.first, range.last, options.every, options.format == "jsonl");
   }
   if (reader->setup().simulation != engine::simulation_name)
-    return fail(Error{ErrorCode::unsupported,
-                      options.file + ": simulation: found " + reader->setup().simulation + ", expected " +
-                          verifier::simulation_names(),
-                      "`ticktrue show " + verifier::shell_word(options.file) +
-                          " --ticks 0..9` lists hashes and inputs; " +
-                          verifier::other_simulation_hint(options.file, reader->facts())});
+    return fail(Error{
+        ErrorCode::unsupported,
+        options.file + ": simulation: found " + reader->setup().simulation + ", expected " + tool::simulation_names(),
+        "`ticktrue show " + verifier::shell_word(options.file) + " --ticks 0..9` lists hashes and inputs; " +
+            tool::other_simulation_hint(options.file, reader->facts())});
   if (reader->setup().physics_version != engine::physics_version)
     print_warning(options.file + ": physics version: found " + std::to_string(reader->setup().physics_version) +
                   ", expected " + std::to_string(engine::physics_version) + "; the states shown are this build's");

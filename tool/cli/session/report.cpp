@@ -29,18 +29,18 @@ verifier::Report verify_for_page(const ReportCommand& command) {
   Result<replay::TraceReader> reader = replay::TraceReader::open(command.file);
   if (!reader) return verifier::open_error_report(command.file, reader.error());
   verifier::VerifyOptions options;
-  options.simulation = verifier::find_simulation(reader->setup().simulation);
+  options.simulation = tool::find_simulation(reader->setup().simulation);
   options.search_single_bit = true;
   Progress progress("verify " + command.file, reader->tick_count_hint().value_or(0));
   options.progress = [&](std::uint64_t ticks_done) { progress.update(ticks_done); };
   verifier::Report report = verifier::verify(*reader, options);
   progress.finish();
   if (options.simulation == nullptr && report.hint.empty())
-    report.hint = verifier::other_simulation_hint(command.file, reader->facts());
+    report.hint = tool::other_simulation_hint(command.file, reader->facts());
   return report;
 }
 
-Status write_page(const std::string& path, bool overwrite, const verifier::Page& page) {
+Status write_page(const std::string& path, bool overwrite, const tool::Page& page) {
   auto file = verifier::DataFile::create(path, overwrite);
   if (!file) return file.error();
   if (const Status status = file->write(page.html); !status) return status;
@@ -56,7 +56,7 @@ int run_report(const ReportCommand& command) {
   const verifier::Report report = verify_for_page(command);
   if (report.verdict == verifier::Verdict::error) return fail_usage(Error{ErrorCode::io, report.reason, report.hint});
 
-  verifier::PageOptions options;
+  tool::PageOptions options;
   options.against = command.against;
   options.command = "ticktrue report " + verifier::shell_word(command.file);
   if (!command.against.empty()) options.command += " --against " + verifier::shell_word(command.against);
@@ -64,7 +64,7 @@ int run_report(const ReportCommand& command) {
   options.allow_truncated = command.allow_truncated;
   Progress progress("play " + command.file, 0);
   options.progress = [&](std::uint64_t done, std::uint64_t of) { progress.update(done, of); };
-  const Result<verifier::Page> page = verifier::make_report_page(report, options);
+  const Result<tool::Page> page = tool::make_report_page(report, options);
   progress.finish();
   if (!page) return fail(page.error());
   if (const Status status = write_page(command.output, command.force, *page); !status)
@@ -91,11 +91,11 @@ Status write_failure_page(std::span<const verifier::Report> reports, const std::
     else if (code != exit_ok)
       others.push_back(report);
   }
-  verifier::PageOptions options;
+  tool::PageOptions options;
   options.others = others;
   options.allow_truncated = allow_truncated;
   options.command = "ticktrue verify " + verifier::shell_word(shown->file) + " --report " + verifier::shell_word(path);
-  const Result<verifier::Page> page = verifier::make_report_page(*shown, options);
+  const Result<tool::Page> page = tool::make_report_page(*shown, options);
   if (!page) return page.error();
   return write_page(path, true, *page);
 }

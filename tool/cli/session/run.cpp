@@ -27,7 +27,7 @@ struct RunOptions {
   bool json = false;
 };
 
-Json run_json(const engine::Engine& engine, const verifier::RunResult& result, std::size_t body_count,
+Json run_json(const engine::Engine& engine, const tool::RunResult& result, std::size_t body_count,
               std::size_t contact_count, std::uint64_t input_count) {
   Json object;
   object["schema"] = "ticktrue.run/1";
@@ -65,14 +65,14 @@ int run_run(const RunOptions& options) {
   const auto made = engine::make_engine(*scene, engine_options(options.thread_count));
   if (!made) return fail_usage(made.error());
   engine::Engine& engine = **made;
-  for (const std::string& note : verifier::scene_notes(*scene)) print_note(note);
+  for (const std::string& note : tool::scene_notes(*scene)) print_note(note);
   catch_stop_signals();
   auto inputs = open_session_inputs(*scene, options.inputs, options.tick_count);
   if (!inputs) return fail_usage(inputs.error());
   if (const Status status = use_clock(*inputs, options.host, engine); !status) return fail_usage(status.error());
 
   Progress progress("run " + scene->name, inputs->ticks_expected);
-  const auto result = verifier::run_session(engine, *inputs->source, options.tick_count, [&](std::uint64_t ticks_done) {
+  const auto result = tool::run_session(engine, *inputs->source, options.tick_count, [&](std::uint64_t ticks_done) {
     progress.update(ticks_done);
     return !stop_requested();
   });
@@ -95,7 +95,7 @@ int run_run(const RunOptions& options) {
     if (inputs->lines != nullptr)
       print(
           fmt::format("  inputs    {}, of which {} to bodies already removed\n", input_count, engine.ignored_inputs()));
-    const std::string budget = verifier::budget_text(engine.budget_report(), result->tick_count);
+    const std::string budget = tool::budget_text(engine.budget_report(), result->tick_count);
     if (!budget.empty()) print(fmt::format("  budget    {}\n", budget));
     if (inputs->clock != nullptr) print(fmt::format("  clock     {}\n", clock_text(*scene, inputs->clock->report())));
     print(fmt::format("  time      {:.4g} ms/tick (median), {:.3f} s in all\n", result->times.median_s() * 1e3,

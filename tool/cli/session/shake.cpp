@@ -155,7 +155,7 @@ Result<Subject> subject_of(const ShakeCommand& command, const std::string& folde
   Result<replay::TraceReader> reader = replay::TraceReader::open(subject.trace);
   if (!reader) return reader.error();
   const std::string simulation = reader->setup().simulation;
-  if (is_own && verifier::find_simulation(simulation) == nullptr)
+  if (is_own && tool::find_simulation(simulation) == nullptr)
     return usage("shake: found no program, and a trace of \"" + simulation + "\", expected TRACE -- PROGRAM ARGUMENTS",
                  "behind -- stands the program that recorded the trace: see `ticktrue shake --help`");
   if (is_own) subject.words = verify_words();

@@ -49,7 +49,7 @@ void print_listing_end(const ShowOptions& options, const replay::TraceTail& tail
 }
 
 int list_inputs(verifier::TraceSource& reader, const ShowOptions& options, const TickRange& range) {
-  verifier::InputListing listing(reader.setup());
+  tool::InputListing listing(reader.setup());
   std::uint64_t tick_count = 0;
   bool has_own_dt = false;
   while (output_is_open()) {
@@ -169,7 +169,7 @@ int list_bound(verifier::TraceSource& reader, const ShowOptions& options, const 
 }
 
 int list_ticks(verifier::TraceSource& reader, const ShowOptions& options, const TickRange& range) {
-  verifier::InputListing listing(reader.setup());
+  tool::InputListing listing(reader.setup());
   double time_s = 0;
   if (!options.json) print("    tick      time_s  hash              inputs\n");
   while (output_is_open()) {
@@ -204,7 +204,7 @@ int list_ticks(verifier::TraceSource& reader, const ShowOptions& options, const 
   return exit_code_of_condition(reader.tail().condition);
 }
 
-Json inputs_json(const verifier::TraceSummary& summary) {
+Json inputs_json(const tool::TraceSummary& summary) {
   Json object;
   object["ticks"] = summary.input_tick_count;
   object["size"] = summary.input_size;
@@ -232,8 +232,7 @@ Json peers_json(const replay::TraceReader& reader, const verifier::Bundle& bundl
   return object;
 }
 
-void print_summary_json(replay::TraceReader& reader, const ShowOptions& options,
-                        const verifier::TraceSummary& summary) {
+void print_summary_json(replay::TraceReader& reader, const ShowOptions& options, const tool::TraceSummary& summary) {
   const replay::TraceSetup& setup = reader.setup();
   Json object;
   object["schema"] = "ticktrue.show/1";
@@ -251,14 +250,14 @@ void print_summary_json(replay::TraceReader& reader, const ShowOptions& options,
   object["hash"] = hex64(summary.last_root_hash);
   object["checkpoint_interval"] = setup.checkpoint_interval;
   object["checkpoints"] = Json::array();
-  for (const verifier::CheckpointSummary& checkpoint : summary.checkpoints)
+  for (const tool::CheckpointSummary& checkpoint : summary.checkpoints)
     object["checkpoints"].push_back({{"tick", checkpoint.tick},
                                      {"hash", hex64(checkpoint.root_hash)},
                                      {"image_size", checkpoint.image_size},
                                      {"stored_size", checkpoint.stored_size}});
   if (setup.has(replay::Feature::saves)) {
     object["saves"] = Json::array();
-    for (const verifier::CheckpointSummary& checkpoint : summary.checkpoints)
+    for (const tool::CheckpointSummary& checkpoint : summary.checkpoints)
       if (checkpoint.save_size) object["saves"].push_back({{"tick", checkpoint.tick}, {"size", *checkpoint.save_size}});
   }
   object["inputs"] = inputs_json(summary);
@@ -296,7 +295,7 @@ void print_summary_json(replay::TraceReader& reader, const ShowOptions& options,
   print_json(object);
 }
 
-std::string inputs_line(const verifier::TraceSummary& summary) {
+std::string inputs_line(const tool::TraceSummary& summary) {
   if (summary.input_tick_count == 0) return "none";
   if (!summary.inputs)
     return fmt::format("{} bytes in {} ticks, of a simulation this build cannot read", summary.input_size,
@@ -330,9 +329,9 @@ void print_build(const replay::BuildFacts& facts) {
                       (unit.empty() ? "" : plain_line(unit) + ": ") + text));
 }
 
-std::string saves_line(const verifier::TraceSummary& summary) {
+std::string saves_line(const tool::TraceSummary& summary) {
   std::uint64_t count = 0, size = 0;
-  for (const verifier::CheckpointSummary& checkpoint : summary.checkpoints) {
+  for (const tool::CheckpointSummary& checkpoint : summary.checkpoints) {
     count += checkpoint.save_size ? 1 : 0;
     size += checkpoint.save_size.value_or(0);
   }
@@ -340,14 +339,14 @@ std::string saves_line(const verifier::TraceSummary& summary) {
 }
 
 /// "300"; of a trace that is not whole "106 of 300", if its end is known.
-std::string ticks_line(const replay::TraceReader& reader, const verifier::TraceSummary& summary) {
+std::string ticks_line(const replay::TraceReader& reader, const tool::TraceSummary& summary) {
   const std::string count = std::to_string(summary.tick_count);
   const std::uint64_t recorded = reader.tick_count_hint().value_or(0);
   if (summary.tail.condition == replay::TraceCondition::complete || recorded <= reader.first_tick()) return count;
   return count + " of " + std::to_string(recorded - reader.first_tick());
 }
 
-std::string hash_line(const replay::TraceReader& reader, const verifier::TraceSummary& summary) {
+std::string hash_line(const replay::TraceReader& reader, const tool::TraceSummary& summary) {
   if (summary.tick_count == 0 && summary.checkpoints.empty()) return "not known: no state can be read";
   const std::string hash = hex64(summary.last_root_hash);
   if (summary.tick_count == 0) return hash + " before the first tick";
@@ -356,8 +355,7 @@ std::string hash_line(const replay::TraceReader& reader, const verifier::TraceSu
          ", the last that can be read";
 }
 
-void print_summary_text(replay::TraceReader& reader, const ShowOptions& options,
-                        const verifier::TraceSummary& summary) {
+void print_summary_text(replay::TraceReader& reader, const ShowOptions& options, const tool::TraceSummary& summary) {
   const replay::TraceSetup& setup = reader.setup();
   print(fmt::format("{}  {}  {} ticks ({:.3f} s)\n", plain_line(options.file), plain_line(setup.title),
                     ticks_line(reader, summary), summary.time_s));
@@ -395,7 +393,7 @@ void print_summary_text(replay::TraceReader& reader, const ShowOptions& options,
                       plain_line(shown_columns_text(*setup.whole_schema))));
   if (setup.has(replay::Feature::marks)) print("  marks       stored (--marks lists them, --notes lists notes)\n");
   if (options.checkpoints)
-    for (const verifier::CheckpointSummary& checkpoint : summary.checkpoints)
+    for (const tool::CheckpointSummary& checkpoint : summary.checkpoints)
       print(fmt::format("    tick {:8}  {}  {} bytes of state, {} stored{}\n", checkpoint.tick,
                         hex64(checkpoint.root_hash), checkpoint.image_size, checkpoint.stored_size,
                         checkpoint.save_size ? fmt::format(", a save of {}", *checkpoint.save_size) : ""));
@@ -425,8 +423,8 @@ int run_show(const ShowOptions& options) {
   if (!options.ticks.empty()) return list_ticks(source, options, range);
 
   Progress progress("read " + options.file, 0, "bytes");
-  const verifier::TraceSummary summary =
-      verifier::summarize(*reader, [&](std::uint64_t done, std::uint64_t total) { progress.update(done, total); });
+  const tool::TraceSummary summary =
+      tool::summarize(*reader, [&](std::uint64_t done, std::uint64_t total) { progress.update(done, total); });
   progress.finish();
   if (options.json)
     print_summary_json(*reader, options, summary);

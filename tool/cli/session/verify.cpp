@@ -96,7 +96,7 @@ Report verify_file(const std::string& file, const VerifyCommand& command, unsign
     if (const Status known = check_tick(file + ": --from", *command.from, reader->tick_count_hint()); !known)
       return verifier::open_error_report(file, known.error());
   const verifier::VerifyOptions options = walk_options(command);
-  verifier::TraceVerification how;
+  tool::TraceVerification how;
   how.mode = options.mode;
   how.from = options.from;
   how.to = options.to;
@@ -107,8 +107,8 @@ Report verify_file(const std::string& file, const VerifyCommand& command, unsign
   how.engine_threads = static_cast<unsigned>(command.thread_count);
   how.compared = compared;
   how.progress = progress;
-  Report report = verifier::verify_trace(*reader, file, how);
-  const SimulationInfo* simulation = verifier::simulation_of(*reader);
+  Report report = tool::verify_trace(*reader, file, how);
+  const SimulationInfo* simulation = tool::simulation_of(*reader);
   const bool is_against = !command.other_build.empty() || !command.other_plugin.empty();
   if (is_against && simulation != nullptr) {
     verifier::AgainstOptions against;
@@ -118,7 +118,7 @@ Report verify_file(const std::string& file, const VerifyCommand& command, unsign
       against.words = {own_program(), "--plugin", command.other_plugin};
     }
     against.timeout_s = static_cast<double>(command.timeout_s);
-    const SimulationInfo on_threads = verifier::on_engine_threads(*simulation, how.engine_threads);
+    const SimulationInfo on_threads = tool::on_engine_threads(*simulation, how.engine_threads);
     against.simulation = &on_threads;
     report = verifier::compare_builds(*reader, std::move(report), against);
   }
@@ -142,9 +142,9 @@ Report verify_scene(const std::string& word, const VerifyCommand& command, const
   auto inputs = open_session_inputs(*scene, command.inputs, command.tick_count);
   if (!inputs) return refused(inputs.error());
   if (const Status clock = use_clock(*inputs, {}, **made); !clock) return refused(clock.error());
-  verifier::SceneSource source(**made, *inputs->source, command.tick_count);
+  tool::SceneSource source(**made, *inputs->source, command.tick_count);
   verifier::VerifyOptions options = walk_options(command);
-  options.simulation = verifier::find_simulation(engine::simulation_name);
+  options.simulation = tool::find_simulation(engine::simulation_name);
   if (progress) options.progress = [&](std::uint64_t done) { progress(done, inputs->ticks_expected); };
   Report report = verifier::verify_source(source, options);
   if (source.error()) return refused(*source.error());
@@ -266,7 +266,7 @@ Report verify_by_plugin(const std::string& file, const VerifyCommand& command) {
     const ProgressCall show = [&](std::uint64_t ticks, std::uint64_t total) { bar.update(ticks, total); };
     return verify_word(file, command, 1, show, &compared);
   };
-  return verifier::verify_by_plugin(file, command.mode, work).report;
+  return tool::verify_by_plugin(file, command.mode, work).report;
 }
 
 void print_report(const Report& report, const VerifyCommand& command) {
@@ -285,7 +285,7 @@ Report verify_one(const std::string& file, const VerifyCommand& command, Program
     const auto start = std::chrono::steady_clock::now();
     return finish_report(program->verify(file, number), command, start);
   }
-  if (verifier::needs_plugin(file)) return verify_by_plugin(file, command);
+  if (tool::needs_plugin(file)) return verify_by_plugin(file, command);
   std::optional<Progress> bar;
   if (has_bar) bar.emplace("verify " + file, 0);
   const ProgressCall show = [&](std::uint64_t done, std::uint64_t total) { bar->update(done, total); };

@@ -6,6 +6,9 @@
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
+#include <limits>
+#include <set>
+#include <string>
 
 #include "base/parallel/jobs.h"
 #include "tool/cli/commands.h"
@@ -20,9 +23,9 @@
 namespace ticktrue::cli {
 namespace {
 
-using verifier::Problem;
-using verifier::StudyVerdict;
-using verifier::TextTable;
+using tool::Problem;
+using tool::StudyVerdict;
+using tool::TextTable;
 
 struct AccuracyCommand {
   std::vector<std::string> problems;
@@ -38,19 +41,21 @@ struct AccuracyCommand {
 };
 
 Result<std::vector<Problem>> chosen_problems(const std::vector<std::string>& names) {
-  std::vector<Problem> all = verifier::verification_problems();
-  std::vector<Problem> shapes = verifier::shape_problems();
+  std::vector<Problem> all = tool::verification_problems();
+  std::vector<Problem> shapes = tool::shape_problems();
   all.insert(all.end(), std::make_move_iterator(shapes.begin()), std::make_move_iterator(shapes.end()));
   if (names.empty()) return all;
   std::vector<std::string> known{"shapes"};
   for (const Problem& problem : all) known.push_back(problem.name);
-  for (const std::string_view name : verifier::problem_class_names) known.emplace_back(name);
+  for (const std::string_view name : tool::problem_class_names) known.emplace_back(name);
   std::vector<Problem> chosen;
   for (const std::string& name : names) {
     const std::size_t before = chosen.size();
     if (name.size() > 5 && name.compare(name.size() - 5, 5, ".json") == 0) {
-      Result<Problem> own = verifier::read_problem(name);
+      Result<Problem> own = tool::read_problem(name);
       if (!own) return own.error();
+      const auto has_name = [&](const Problem& problem) { return problem.name == own->name; };
+      if (std::any_of(chosen.begin(), chosen.end(), has_name)) own->name += " (" + name + ")";
       chosen.push_back(*std::move(own));
       continue;
     }
@@ -94,19 +99,42 @@ std::string command_line_of(const AccuracyCommand& command, int repeat_max, unsi
   return line + fmt::format(" --repeats {} -j {}", repeat_max, thread_count);
 }
 
-/// Warns of each problem file of which no claim could be judged. True if there is none.
-bool warn_of_claims(const std::vector<Problem>& problems, const std::vector<verifier::AccuracyCurve>& curves) {
+/// The methods that the file has a bar or a slope for, and that the scene does not allow.
+std::set<std::string> methods_claimed_in_vain(const Problem& problem, const std::vector<tool::AccuracyCurve>& curves) {
+  std::set<std::string> claimed;
+  for (const tool::Bar& bar : problem.bars) claimed.insert(bar.method);
+  for (const auto& [method, slope] : problem.slopes) claimed.insert(method);
+  for (const tool::AccuracyCurve& curve : curves)
+    if (curve.problem == problem.name && curve.judgement.verdict != StudyVerdict::not_applicable)
+      claimed.erase(curve.method.name);
+  return claimed;
+}
+
+/// Warns of each problem file with a claim that could not be judged. True if there is none.
+bool warn_of_claims(const std::vector<Problem>& problems, const std::vector<tool::AccuracyCurve>& curves) {
   bool all_are_judged = true;
   for (const Problem& problem : problems) {
-    if (!verifier::claims_of_own(problem)) continue;
-    const bool is_judged = std::any_of(curves.begin(), curves.end(), [&](const verifier::AccuracyCurve& curve) {
+    if (!tool::claims_of_own(problem)) continue;
+    const bool is_judged = std::any_of(curves.begin(), curves.end(), [&](const tool::AccuracyCurve& curve) {
       return curve.problem == problem.name && curve.judgement.verdict != StudyVerdict::not_judged &&
              curve.judgement.verdict != StudyVerdict::not_applicable;
     });
     if (!is_judged) print_warning(problem.name + ": nothing was judged of what the file claims");
     all_are_judged = all_are_judged && is_judged;
+    if (!is_judged) continue;
+    for (const std::string& method : methods_claimed_in_vain(problem, curves)) {
+      print_warning(problem.name + ": not judged what the file claims of " + method + ", which is not applicable");
+      all_are_judged = false;
+    }
   }
   return all_are_judged;
+}
+
+/// Without a time, JSON has null and CSV has an empty cell.
+void leave_out_times(std::vector<tool::AccuracyCurve>& curves) {
+  constexpr double none = std::numeric_limits<double>::quiet_NaN();
+  for (tool::AccuracyCurve& curve : curves)
+    for (tool::AccuracyPoint& point : curve.points) point.time_ms = {none, none, none};
 }
 
 int run_accuracy_command(const AccuracyCommand& command) {
@@ -121,10 +149,10 @@ int run_accuracy_command(const AccuracyCommand& command) {
   if (!problems) return fail_usage(problems.error());
   if (command.list) return list_problems(*problems);
   if (command.example) {
-    print(verifier::example_problem);
+    print(tool::example_problem);
     return exit_ok;
   }
-  verifier::AccuracyOptions options;
+  tool::AccuracyOptions options;
   options.precisions.clear();
   for (const std::string& name : command.precisions)
     options.precisions.push_back(engine::find_choice(engine::precisions, name)->kind);
@@ -133,18 +161,17 @@ int run_accuracy_command(const AccuracyCommand& command) {
   options.keep_samples = !command.files.samples.empty();
   Progress progress("accuracy", 1, "curves");
   options.progress = [&](std::uint64_t done, std::uint64_t total) { progress.update(done, total); };
-  const auto curves = verifier::run_accuracy(*problems, options);
+  auto curves = tool::run_accuracy(*problems, options);
   progress.finish();
   if (!curves) return fail_usage(curves.error());
+  const std::vector<tool::Plot> plots = accuracy_plots(*problems, *curves, options.precisions);
+  if (command.view.no_times) leave_out_times(*curves);
   const std::string command_line = command_line_of(command, options.repeat_max, thread_count);
   if (command.files.json)
     print_json(accuracy_json(*problems, *curves, command_line));
   else
     print("accuracy  " + command_line + "\n" + accuracy_text(*problems, *curves, command.view, options.precisions));
-  if (const int code = write_study_files(command.files, accuracy_csv(*curves),
-                                         accuracy_plots(*problems, *curves, options.precisions));
-      code != exit_ok)
-    return code;
+  if (const int code = write_study_files(command.files, accuracy_csv(*curves), plots); code != exit_ok) return code;
   if (options.keep_samples)
     if (const Status written =
             verifier::write_data_file(command.files.samples, samples_csv(*problems, *curves), command.files.force);

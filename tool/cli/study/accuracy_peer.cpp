@@ -14,21 +14,21 @@
 namespace ticktrue::cli {
 namespace {
 
-using verifier::PeerKind;
-using verifier::short_number;
-using verifier::TextTable;
+using tool::PeerKind;
+using tool::short_number;
+using tool::TextTable;
 
 std::string_view peer_name(PeerKind kind) {
-  return engine::info_of(verifier::peers, kind).name;
+  return engine::info_of(tool::peers, kind).name;
 }
 
 // Of a peer that has run.
 std::string peer_version(PeerKind kind) {
-  const Result<std::string> version = engine::info_of(verifier::peers, kind).version();
+  const Result<std::string> version = engine::info_of(tool::peers, kind).version();
   return version ? *version : std::string();
 }
 
-Json peer_json(const std::vector<verifier::PeerCurves>& scenes, const std::vector<PeerKind>& kinds,
+Json peer_json(const std::vector<tool::PeerCurves>& scenes, const std::vector<PeerKind>& kinds,
                const std::string& engine_program) {
   Json object;
   object["schema"] = "ticktrue.accuracy_peer/1";
@@ -64,7 +64,7 @@ Json peer_json(const std::vector<verifier::PeerCurves>& scenes, const std::vecto
                              {"ratio", number_json(bar.ratio)},
                              {"ratio_max", bar.ratio_max},
                              {"verdict", bar.ratio <= bar.ratio_max ? "pass" : "fail"}});
-    const auto points_json = [](const std::vector<verifier::PeerPoint>& points) {
+    const auto points_json = [](const std::vector<tool::PeerPoint>& points) {
       Json array = Json::array();
       for (const auto& point : points)
         array.push_back({{"setting", point.setting},
@@ -82,7 +82,7 @@ Json peer_json(const std::vector<verifier::PeerCurves>& scenes, const std::vecto
   return object;
 }
 
-std::string peer_text(const std::vector<verifier::PeerCurves>& scenes, const std::vector<PeerKind>& kinds,
+std::string peer_text(const std::vector<tool::PeerCurves>& scenes, const std::vector<PeerKind>& kinds,
                       const std::string& command_line) {
   std::string text = "accuracy  " + command_line;
   for (const PeerKind kind : kinds) text += "  Box2D " + peer_version(kind);
@@ -92,7 +92,7 @@ std::string peer_text(const std::vector<verifier::PeerCurves>& scenes, const std
     TextTable table({"engine", "setting", "error mm", "max mm", "ms/tick", "min", "IQR",
                      scene.is_judged ? "ours at no more time: error mm" : "ours at equal substeps: error mm", "ratio"},
                     2);
-    const auto add = [&](std::string_view engine, const verifier::PeerPoint& point, bool is_peer) {
+    const auto add = [&](std::string_view engine, const tool::PeerPoint& point, bool is_peer) {
       std::vector<std::string> row{std::string(engine),
                                    point.setting,
                                    point.stands        ? short_number(point.error * 1e3)
@@ -103,8 +103,8 @@ std::string peer_text(const std::vector<verifier::PeerCurves>& scenes, const std
                                    fmt::format("{:.4f}", point.time_ms.min),
                                    fmt::format("{:.4f}", point.time_ms.iqr)};
       if (is_peer) {
-        const verifier::PeerPoint* ours = scene.is_judged ? verifier::best_within(scene.ours, point.time_ms.min)
-                                                          : verifier::find_setting(scene.ours, point.setting);
+        const tool::PeerPoint* ours = scene.is_judged ? tool::best_within(scene.ours, point.time_ms.min)
+                                                      : tool::find_setting(scene.ours, point.setting);
         row.push_back(ours ? short_number(ours->error * 1e3) + " (" + ours->setting + ")" : "none so quick");
         row.push_back(ours && point.error > 0 ? short_number(ours->error / point.error) : "-");
       }
@@ -113,7 +113,7 @@ std::string peer_text(const std::vector<verifier::PeerCurves>& scenes, const std
     for (const auto& point : scene.ours) add(scene.own_label, point, false);
     for (const auto& point : scene.box2d) add(scene.peer_label, point, true);
     text += table.text();
-    text += verifier::wrapped(scene.conclusion, 4);
+    text += tool::wrapped(scene.conclusion, 4);
   }
   return text;
 }
@@ -125,18 +125,18 @@ int run_accuracy_peer(const AccuracyPeerOptions& options, const StudyFiles& file
   std::string asked_text;
   for (const std::string& name : options.peers) {
     asked_text += (asked_text.empty() ? "" : ",") + name;
-    const PeerKind kind = name == first_peer_name ? PeerKind::box2d2 : engine::find_choice(verifier::peers, name)->kind;
+    const PeerKind kind = name == first_peer_name ? PeerKind::box2d2 : engine::find_choice(tool::peers, name)->kind;
     if (std::find(kinds.begin(), kinds.end(), kind) == kinds.end()) kinds.push_back(kind);
   }
   if (!options.engine_program.empty()) asked_text += " --engine" + words_text({options.engine_program});
   Progress progress("accuracy --peer " + asked_text, 1, "runs");
-  verifier::PeerCurvesOptions curves;
+  tool::PeerCurvesOptions curves;
   curves.names = options.scenes;
   curves.kinds = kinds;
   curves.repeat_max = options.repeat_count;
   curves.engine_program = options.engine_program;
   curves.progress = [&](std::uint64_t done, std::uint64_t total) { progress.update(done, total); };
-  const auto scenes = verifier::run_peer_curves(curves);
+  const auto scenes = tool::run_peer_curves(curves);
   progress.finish();
   if (!scenes) return fail_usage(scenes.error());
   if (files.json)
@@ -145,29 +145,28 @@ int run_accuracy_peer(const AccuracyPeerOptions& options, const StudyFiles& file
     print(peer_text(*scenes, kinds,
                     fmt::format("ticktrue accuracy --peer {}{} --repeats {}", asked_text, words_text(options.scenes),
                                 options.repeat_count)));
-  std::string csv = verifier::csv_line({"scene", "engine", "setting", "error_m", "error_max_m", "stands",
-                                        "ms_per_tick_min", "ms_per_tick_median", "ms_per_tick_iqr"});
-  std::vector<verifier::Plot> plots;
+  std::string csv = tool::csv_line({"scene", "engine", "setting", "error_m", "error_max_m", "stands", "ms_per_tick_min",
+                                    "ms_per_tick_median", "ms_per_tick_iqr"});
+  std::vector<tool::Plot> plots;
   for (const auto& scene : *scenes) {
-    verifier::Plot plot{scene.is_judged ? scene.name : scene.name + ", Box2D 3 in WebAssembly",
-                        "error, m",
-                        "ms per tick",
-                        true,
-                        true,
-                        {}};
-    const auto add_curve = [&](const std::string& name, const std::vector<verifier::PeerPoint>& points,
-                               bool is_direct) {
-      verifier::PlotCurve line{name, {}, {}, false};
+    tool::Plot plot{scene.is_judged ? scene.name : scene.name + ", Box2D 3 in WebAssembly",
+                    "error, m",
+                    "ms per tick",
+                    true,
+                    true,
+                    {}};
+    const auto add_curve = [&](const std::string& name, const std::vector<tool::PeerPoint>& points, bool is_direct) {
+      tool::PlotCurve line{name, {}, {}, false};
       for (const auto& point : points) {
         if (point.joins_direct != is_direct) continue;
         if (point.stands) {  // how far a heap is from the stack that it was says nothing
           line.x.push_back(point.error);
           line.y.push_back(point.time_ms.min);
         }
-        csv += verifier::csv_line(
-            {scene.name, name, point.setting, verifier::full_number(point.error),
-             verifier::full_number(point.error_max), point.stands ? "1" : "0", verifier::full_number(point.time_ms.min),
-             verifier::full_number(point.time_ms.median), verifier::full_number(point.time_ms.iqr)});
+        csv += tool::csv_line({scene.name, name, point.setting, tool::full_number(point.error),
+                               tool::full_number(point.error_max), point.stands ? "1" : "0",
+                               tool::full_number(point.time_ms.min), tool::full_number(point.time_ms.median),
+                               tool::full_number(point.time_ms.iqr)});
       }
       if (!line.x.empty()) plot.curves.push_back(std::move(line));
     };

@@ -14,19 +14,19 @@
 namespace ticktrue::cli {
 namespace {
 
-using verifier::AccuracyCurve;
-using verifier::AccuracyPoint;
-using verifier::Problem;
-using verifier::short_number;
-using verifier::StudyVerdict;
-using verifier::TextTable;
-using verifier::VerdictCounts;
+using tool::AccuracyCurve;
+using tool::AccuracyPoint;
+using tool::Problem;
+using tool::short_number;
+using tool::StudyVerdict;
+using tool::TextTable;
+using tool::VerdictCounts;
 
 constexpr double targets[]{0.01, 0.001, 0.0001};
-constexpr verifier::ProblemClass shape_classes[]{verifier::ProblemClass::roll, verifier::ProblemClass::slide,
-                                                 verifier::ProblemClass::stack, verifier::ProblemClass::bounce};
+constexpr tool::ProblemClass shape_classes[]{tool::ProblemClass::roll, tool::ProblemClass::slide,
+                                             tool::ProblemClass::stack, tool::ProblemClass::bounce};
 
-std::string_view state_name(verifier::PointState state) {
+std::string_view state_name(tool::PointState state) {
   constexpr std::string_view names[]{"ok", "not_finite", "not_repeatable"};
   return names[static_cast<std::size_t>(state)];
 }
@@ -40,9 +40,9 @@ std::string ms_text(const AccuracyPoint& point) {
 }
 
 std::string cheapest_text(const AccuracyCurve& curve, double error, bool no_times) {
-  const AccuracyPoint* point = no_times ? verifier::coarsest(curve, error) : verifier::cheapest(curve, error);
+  const AccuracyPoint* point = no_times ? tool::coarsest(curve, error) : tool::cheapest(curve, error);
   if (!point) return "-";
-  const std::string setting = verifier::setting_text(curve.method, point->setting);
+  const std::string setting = tool::setting_text(curve.method, point->setting);
   return no_times ? setting : setting + " " + ms_text(*point);
 }
 
@@ -75,8 +75,7 @@ std::string curve_table(const std::vector<const AccuracyCurve*>& curves, bool no
     table.add(std::move(row));
   }
   std::string text = table.text();
-  for (std::size_t i = 0; i < reasons.size(); ++i)
-    text += verifier::wrapped(fmt::format("[{}] {}", i + 1, reasons[i]), 4);
+  for (std::size_t i = 0; i < reasons.size(); ++i) text += tool::wrapped(fmt::format("[{}] {}", i + 1, reasons[i]), 4);
   return text;
 }
 
@@ -87,7 +86,7 @@ std::string point_table(const std::vector<const AccuracyCurve*>& curves, bool no
   for (const AccuracyCurve* curve : curves)
     for (const AccuracyPoint& point : curve->points) {
       std::vector<std::string> row{curve->method.name,
-                                   verifier::setting_text(curve->method, point.setting),
+                                   tool::setting_text(curve->method, point.setting),
                                    short_number(point.error),
                                    short_number(point.error_max),
                                    short_number(point.floor),
@@ -169,7 +168,7 @@ std::string reason_table(const std::vector<AccuracyCurve>& curves, StudyVerdict 
     std::string line = fmt::format("{:>10} of {}  {}", count_text(static_cast<std::uint64_t>(reason.count), "curve"),
                                    count_text(reason.problems.size(), "problem"), reason.text);
     if (reason.problems.size() <= 6) line += fmt::format(": {}", fmt::join(reason.problems, ", "));
-    text += verifier::wrapped(line, 2);
+    text += tool::wrapped(line, 2);
   }
   return text;
 }
@@ -213,7 +212,7 @@ std::string shape_table(const std::vector<Problem>& problems, const std::vector<
     }
     if (table.row_count() == 0) continue;
     text += fmt::format("\n{}  {}\n", class_name(kind), precision_name(precision)) + table.text();
-    if (kind == verifier::ProblemClass::stack)
+    if (kind == tool::ProblemClass::stack)
       text += "    not applicable to odd polygons: they end in a corner, on which nothing lies\n";
   }
   return text;
@@ -245,7 +244,7 @@ std::string target_table(const std::vector<Problem>& problems, const std::vector
 
 Json point_json(const AccuracyCurve& curve, const AccuracyPoint& point) {
   Json entry;
-  entry["setting"] = verifier::setting_text(curve.method, point.setting);
+  entry["setting"] = tool::setting_text(curve.method, point.setting);
   entry["dt"] = point.setting.dt;
   entry["substeps"] = point.setting.substeps;
   entry["target"] = point.setting.target > 0 ? Json(point.setting.target) : Json(nullptr);
@@ -265,8 +264,8 @@ Json point_json(const AccuracyCurve& curve, const AccuracyPoint& point) {
 }
 
 // Of each family of shapes: error and time against corners, at the settings of shape_table.
-std::vector<verifier::Plot> shape_plots(const std::vector<Problem>& problems, const std::vector<AccuracyCurve>& curves,
-                                        const std::vector<engine::Precision>& precisions) {
+std::vector<tool::Plot> shape_plots(const std::vector<Problem>& problems, const std::vector<AccuracyCurve>& curves,
+                                    const std::vector<engine::Precision>& precisions) {
   struct Line {
     std::string_view name, method;
     std::size_t index;
@@ -275,19 +274,19 @@ std::vector<verifier::Plot> shape_plots(const std::vector<Problem>& problems, co
                          {"tgs_soft, 16 substeps", "tgs_soft", 4},
                          {"pgs", "pgs", 0},
                          {"impulse (the thesis')", "impulse", 0}};
-  std::vector<verifier::Plot> plots;
+  std::vector<tool::Plot> plots;
   for (const auto kind : shape_classes)
     for (const engine::Precision precision : precisions) {
       const std::string name = fmt::format("{} ({})", class_name(kind), precision_name(precision));
-      verifier::Plot errors{name + ": error by corners", "corners", "relative error (RMS)", false, true, {}};
-      verifier::Plot times{name + ": time by corners", "corners", "ms per simulated second", false, true, {}};
+      tool::Plot errors{name + ": error by corners", "corners", "relative error (RMS)", false, true, {}};
+      tool::Plot times{name + ": time by corners", "corners", "ms per simulated second", false, true, {}};
       for (const Problem& problem : problems)
         if (problem.kind == kind)
           errors.ticks.push_back(problem.corner_count == 0 ? "disc" : std::to_string(problem.corner_count));
       if (errors.ticks.empty()) continue;
       times.ticks = errors.ticks;
       for (const Line& line : lines) {
-        verifier::PlotCurve error{std::string(line.name), {}, {}, false}, time = error;
+        tool::PlotCurve error{std::string(line.name), {}, {}, false}, time = error;
         double x = 0;
         for (const Problem& problem : problems) {
           if (problem.kind != kind) continue;
@@ -314,8 +313,8 @@ std::vector<verifier::Plot> shape_plots(const std::vector<Problem>& problems, co
 
 }  // namespace
 
-std::string_view class_name(verifier::ProblemClass kind) {
-  return verifier::problem_class_names[static_cast<std::size_t>(kind)];
+std::string_view class_name(tool::ProblemClass kind) {
+  return tool::problem_class_names[static_cast<std::size_t>(kind)];
 }
 
 VerdictCounts verdicts_of(const std::vector<AccuracyCurve>& curves) {
@@ -363,7 +362,7 @@ Json accuracy_json(const std::vector<Problem>& problems, const std::vector<Accur
   object["problems"] = Json::array();
   const auto bars_json = [](const Problem& problem) {
     Json bars = Json::array();
-    for (const verifier::Bar& bar : problem.bars)
+    for (const tool::Bar& bar : problem.bars)
       bars.push_back({{"method", bar.method},
                       {"setting", bar.setting.empty() ? Json(nullptr) : Json(bar.setting)},
                       {"error", bar.error > 0 ? Json(bar.error) : Json(nullptr)},
@@ -392,10 +391,10 @@ Json accuracy_json(const std::vector<Problem>& problems, const std::vector<Accur
     row["reason"] = curve.judgement.reason;
     row["cheapest"] = Json::array();
     for (const double target : targets) {
-      const AccuracyPoint* point = verifier::cheapest(curve, target);
+      const AccuracyPoint* point = tool::cheapest(curve, target);
       row["cheapest"].push_back(
           {{"error", target},
-           {"setting", point ? Json(verifier::setting_text(curve.method, point->setting)) : Json(nullptr)},
+           {"setting", point ? Json(tool::setting_text(curve.method, point->setting)) : Json(nullptr)},
            {"ms_per_s", point ? Json(point->time_ms.min) : Json(nullptr)}});
     }
     row["points"] = Json::array();
@@ -406,9 +405,8 @@ Json accuracy_json(const std::vector<Problem>& problems, const std::vector<Accur
 }
 
 std::string samples_csv(const std::vector<Problem>& problems, const std::vector<AccuracyCurve>& curves) {
-  using verifier::full_number;
-  std::string text =
-      verifier::csv_line({"problem", "precision", "method", "setting", "time_s", "value", "found", "exact"});
+  using tool::full_number;
+  std::string text = tool::csv_line({"problem", "precision", "method", "setting", "time_s", "value", "found", "exact"});
   for (const AccuracyCurve& curve : curves) {
     const auto problem =
         std::find_if(problems.begin(), problems.end(), [&](const Problem& each) { return each.name == curve.problem; });
@@ -417,10 +415,10 @@ std::string samples_csv(const std::vector<Problem>& problems, const std::vector<
         const std::vector<double> exact = problem->exact(point.times[i]);
         for (std::size_t k = 0; k < exact.size(); ++k) {
           const double scale = k < problem->value_scales.size() ? problem->value_scales[k] : 1;
-          text += verifier::csv_line({curve.problem, std::string(precision_name(curve.precision)), curve.method.name,
-                                      verifier::setting_text(curve.method, point.setting), full_number(point.times[i]),
-                                      k < problem->value_names.size() ? problem->value_names[k] : std::to_string(k),
-                                      full_number(point.samples[i][k] * scale), full_number(exact[k] * scale)});
+          text += tool::csv_line({curve.problem, std::string(precision_name(curve.precision)), curve.method.name,
+                                  tool::setting_text(curve.method, point.setting), full_number(point.times[i]),
+                                  k < problem->value_names.size() ? problem->value_names[k] : std::to_string(k),
+                                  full_number(point.samples[i][k] * scale), full_number(exact[k] * scale)});
         }
       }
   }
@@ -428,60 +426,59 @@ std::string samples_csv(const std::vector<Problem>& problems, const std::vector<
 }
 
 std::string accuracy_csv(const std::vector<AccuracyCurve>& curves) {
-  using verifier::full_number;
+  using tool::full_number;
   std::string text =
-      verifier::csv_line({"problem",        "class",        "corners",         "precision",     "method",
-                          "setting",        "dt_s",         "substeps",        "error_rms",     "error_max",
-                          "floor",          "energy_j",     "momentum",        "overlap_max_m", "joint_gap_max_m",
-                          "substeps_most",  "ms_per_s_min", "ms_per_s_median", "ms_per_s_iqr",  "slope",
-                          "slope_expected", "verdict",      "state",           "hash",          "reason"});
+      tool::csv_line({"problem",        "class",        "corners",         "precision",     "method",
+                      "setting",        "dt_s",         "substeps",        "error_rms",     "error_max",
+                      "floor",          "energy_j",     "momentum",        "overlap_max_m", "joint_gap_max_m",
+                      "substeps_most",  "ms_per_s_min", "ms_per_s_median", "ms_per_s_iqr",  "slope",
+                      "slope_expected", "verdict",      "state",           "hash",          "reason"});
   for (const AccuracyCurve& curve : curves)
     for (const AccuracyPoint& point : curve.points)
-      text += verifier::csv_line({curve.problem,
-                                  std::string(class_name(curve.kind)),
-                                  curve.corner_count < 0 ? "" : std::to_string(curve.corner_count),
-                                  std::string(precision_name(curve.precision)),
-                                  curve.method.name,
-                                  verifier::setting_text(curve.method, point.setting),
-                                  full_number(point.setting.dt),
-                                  std::to_string(point.setting.substeps),
-                                  full_number(point.error),
-                                  full_number(point.error_max),
-                                  full_number(point.floor),
-                                  full_number(point.energy),
-                                  full_number(point.momentum),
-                                  full_number(point.overlap_max),
-                                  full_number(point.joint_gap_max),
-                                  std::to_string(point.substeps_most),
-                                  full_number(point.time_ms.min),
-                                  full_number(point.time_ms.median),
-                                  full_number(point.time_ms.iqr),
-                                  curve.judgement.slope ? full_number(*curve.judgement.slope) : "",
-                                  curve.judgement.expected ? full_number(*curve.judgement.expected) : "",
-                                  std::string(verdict_name(curve.judgement.verdict)),
-                                  std::string(state_name(point.state)),
-                                  hex64(point.hash),
-                                  curve.judgement.reason});
+      text += tool::csv_line({curve.problem,
+                              std::string(class_name(curve.kind)),
+                              curve.corner_count < 0 ? "" : std::to_string(curve.corner_count),
+                              std::string(precision_name(curve.precision)),
+                              curve.method.name,
+                              tool::setting_text(curve.method, point.setting),
+                              full_number(point.setting.dt),
+                              std::to_string(point.setting.substeps),
+                              full_number(point.error),
+                              full_number(point.error_max),
+                              full_number(point.floor),
+                              full_number(point.energy),
+                              full_number(point.momentum),
+                              full_number(point.overlap_max),
+                              full_number(point.joint_gap_max),
+                              std::to_string(point.substeps_most),
+                              full_number(point.time_ms.min),
+                              full_number(point.time_ms.median),
+                              full_number(point.time_ms.iqr),
+                              curve.judgement.slope ? full_number(*curve.judgement.slope) : "",
+                              curve.judgement.expected ? full_number(*curve.judgement.expected) : "",
+                              std::string(verdict_name(curve.judgement.verdict)),
+                              std::string(state_name(point.state)),
+                              hex64(point.hash),
+                              curve.judgement.reason});
   return text;
 }
 
-std::vector<verifier::Plot> accuracy_plots(const std::vector<Problem>& problems,
-                                           const std::vector<AccuracyCurve>& curves,
-                                           const std::vector<engine::Precision>& precisions) {
-  std::vector<verifier::Plot> plots = shape_plots(problems, curves, precisions);
+std::vector<tool::Plot> accuracy_plots(const std::vector<Problem>& problems, const std::vector<AccuracyCurve>& curves,
+                                       const std::vector<engine::Precision>& precisions) {
+  std::vector<tool::Plot> plots = shape_plots(problems, curves, precisions);
   for (const Problem& problem : problems)
     for (const engine::Precision precision : precisions) {
       if (problem.corner_count >= 0) continue;
-      verifier::Plot plot{fmt::format("{} ({})", problem.name, precision_name(precision)),
-                          "relative error (RMS)",
-                          "ms per simulated second",
-                          true,
-                          true,
-                          {}};
+      tool::Plot plot{fmt::format("{} ({})", problem.name, precision_name(precision)),
+                      "relative error (RMS)",
+                      "ms per simulated second",
+                      true,
+                      true,
+                      {}};
       double floor = 0, least = HUGE_VAL, most = 0;
       for (const AccuracyCurve& curve : curves) {
         if (curve.problem != problem.name || curve.precision != precision) continue;
-        verifier::PlotCurve line{curve.method.name, {}, {}, false};
+        tool::PlotCurve line{curve.method.name, {}, {}, false};
         for (const AccuracyPoint& point : curve.points) {
           line.x.push_back(point.error);
           line.y.push_back(point.time_ms.min);

@@ -24,13 +24,13 @@
 namespace ticktrue::cli {
 namespace {
 
-using verifier::CompareReport;
-using verifier::CompareRow;
-using verifier::CompareSession;
-using verifier::CompareVerdict;
-using verifier::full_number;
-using verifier::short_number;
-using verifier::TextTable;
+using tool::CompareReport;
+using tool::CompareRow;
+using tool::CompareSession;
+using tool::CompareVerdict;
+using tool::full_number;
+using tool::short_number;
+using tool::TextTable;
 
 struct CompareCommand {
   std::string subject;
@@ -80,7 +80,7 @@ constexpr std::array<ExplainedWord, 10> outcome_columns{{
 }};
 
 std::string_view verdict_name(CompareVerdict verdict) {
-  return verifier::compare_verdict_names[static_cast<std::size_t>(verdict)];
+  return tool::compare_verdict_names[static_cast<std::size_t>(verdict)];
 }
 
 template <std::size_t count>
@@ -97,8 +97,8 @@ std::string explanation() {
     text += fmt::format("{:{}}{:<{}}  {}\n", "", indent, word, 18 - indent, meaning);
   };
   for (const ExplainedWord& column : drift_columns) add(column.word, column.meaning, 2);
-  for (std::size_t i = 0; i < verifier::compare_verdict_names.size(); ++i)
-    add(verifier::compare_verdict_names[i], verifier::compare_verdict_meanings[i], 4);
+  for (std::size_t i = 0; i < tool::compare_verdict_names.size(); ++i)
+    add(tool::compare_verdict_names[i], tool::compare_verdict_meanings[i], 4);
   for (const ExplainedWord& column : outcome_columns) add(column.word, column.meaning, 2);
   return text;
 }
@@ -174,8 +174,8 @@ std::string report_text(const CompareReport& report, const CompareSession& sessi
                         const std::vector<std::string>& columns, const std::string& command_line) {
   std::string text =
       fmt::format("compare  {}  {:g} s, {} bodies\n", session.scene.name, session.seconds, session.scene.bodies.size());
-  text += verifier::wrapped(command_line, 2);
-  text += verifier::wrapped("base: " + verifier::base_text(session.scene.settings), 2);
+  text += tool::wrapped(command_line, 2);
+  text += tool::wrapped("base: " + tool::base_text(session.scene.settings), 2);
   TextTable drift(heads_of(drift_columns));
   TextTable outcome(heads_of(outcome_columns));
   add_outcome(outcome, report.base);
@@ -186,7 +186,7 @@ std::string report_text(const CompareReport& report, const CompareSession& sessi
   text += "\n" + drift.text() + "\n" + outcome.text() + columns_text(report, columns) + hashes_text(report);
   for (const CompareRow& row : report.rows)
     if (!row.reason.empty())
-      text += verifier::wrapped(fmt::format("{}: {}: {}", row.variant.name, brief_verdict(row), row.reason), 4);
+      text += tool::wrapped(fmt::format("{}: {}: {}", row.variant.name, brief_verdict(row), row.reason), 4);
   return text;
 }
 
@@ -249,10 +249,10 @@ Json report_json(const CompareReport& report, const CompareSession& session, con
   object["command"] = command_line;
   object["scene"] = session.scene.name;
   object["seconds"] = session.seconds;
-  object["beyond_factor"] = verifier::beyond_factor;
-  object["base_settings"] = verifier::base_text(session.scene.settings);
+  object["beyond_factor"] = tool::beyond_factor;
+  object["base_settings"] = tool::base_text(session.scene.settings);
   Json counts;
-  for (const std::string_view name : verifier::compare_verdict_names) counts[std::string(name)] = 0;
+  for (const std::string_view name : tool::compare_verdict_names) counts[std::string(name)] = 0;
   for (const CompareRow& row : report.rows)
     counts[std::string(verdict_name(row.verdict))] = counts[std::string(verdict_name(row.verdict))].get<int>() + 1;
   object["verdicts"] = std::move(counts);
@@ -264,7 +264,7 @@ Json report_json(const CompareReport& report, const CompareSession& session, con
 }
 
 /// With a column for each varied key, empty for the base and its twins, and for each value of --columns.
-std::string csv_of(const CompareReport& report, const std::vector<verifier::VariedKey>& varied,
+std::string csv_of(const CompareReport& report, const std::vector<tool::VariedKey>& varied,
                    const std::vector<std::string>& columns) {
   std::string text;
   const auto add_line = [&](const std::string& name, const std::vector<std::string>& values,
@@ -273,10 +273,10 @@ std::string csv_of(const CompareReport& report, const std::vector<verifier::Vari
     line.insert(line.end(), values.begin(), values.end());
     line.resize(1 + varied.size());
     line.insert(line.end(), cells.begin(), cells.end());
-    text += verifier::csv_line(line);
+    text += tool::csv_line(line);
   };
   std::vector<std::string> keys;
-  for (const verifier::VariedKey& key : varied) keys.push_back(key.key);
+  for (const tool::VariedKey& key : varied) keys.push_back(key.key);
   std::vector<std::string> heads{"verdict",     "time_s",   "position_max_m", "position_rms_m", "angle_max_rad",
                                  "twins_rms_m", "energy_j", "momentum",       "overlap_m",      "joint_gap_m"};
   if (!columns.empty()) heads.emplace_back("columns_time_s");
@@ -305,10 +305,10 @@ std::string csv_of(const CompareReport& report, const std::vector<verifier::Vari
   return text;
 }
 
-std::vector<verifier::Plot> plots_of(const CompareReport& report, const CompareSession& session) {
-  verifier::Plot plot{session.scene.name + ": drift from the base", "s", "m (RMS over bodies)", false, true, {}};
+std::vector<tool::Plot> plots_of(const CompareReport& report, const CompareSession& session) {
+  tool::Plot plot{session.scene.name + ": drift from the base", "s", "m (RMS over bodies)", false, true, {}};
   const auto add = [&](const CompareRow& row, bool dashed) {
-    verifier::PlotCurve curve{row.variant.name, {}, {}, dashed};
+    tool::PlotCurve curve{row.variant.name, {}, {}, dashed};
     for (const auto& sample : row.samples) {
       curve.x.push_back(sample.time_s);
       curve.y.push_back(sample.position_rms);
@@ -342,8 +342,8 @@ Result<double> parse_dt(const std::string& text) {
   return value;
 }
 
-Result<verifier::CompareAxes> axes_of(const CompareCommand& command) {
-  verifier::CompareAxes axes;
+Result<tool::CompareAxes> axes_of(const CompareCommand& command) {
+  tool::CompareAxes axes;
   choose(engine::integrators, command.integrators, axes.integrators);
   choose(engine::clock_kinds, command.clocks, axes.clocks);
   choose(engine::solvers, command.solvers, axes.solvers);
@@ -402,14 +402,14 @@ bool is_trace(const std::string& path) {
 }
 
 /// Errors: usage.
-Result<std::vector<verifier::VariedKey>> varied_keys_of(const CompareCommand& command) {
-  std::vector<verifier::VariedKey> keys;
+Result<std::vector<tool::VariedKey>> varied_keys_of(const CompareCommand& command) {
+  std::vector<tool::VariedKey> keys;
   for (const std::string& text : command.varied) {
-    auto varied = verifier::parse_varied(text, "--vary");
+    auto varied = tool::parse_varied(text, "--vary");
     if (!varied) return varied.error();
     keys.push_back(*std::move(varied));
   }
-  verifier::label_keys(keys);
+  tool::label_keys(keys);
   return keys;
 }
 
@@ -447,15 +447,16 @@ Status check_varied(const CompareCommand& command, const std::string& key, const
 }
 
 /// Errors: usage; what --vary makes of the scene.
-Result<std::vector<verifier::Variant>> variants_of(const CompareCommand& command, const engine::Scene& scene,
-                                                   const std::vector<verifier::VariedKey>& varied) {
+Result<std::vector<tool::Variant>> variants_of(const CompareCommand& command, const engine::Scene& scene,
+                                               const std::vector<tool::VariedKey>& varied) {
   const auto axes = axes_of(command);
   if (!axes) return axes.error();
-  std::vector<verifier::Variant> variants = verifier::product_of(*axes);
+  if (const Status are_apart = tool::check_apart(varied, scene, "--vary"); !are_apart) return are_apart.error();
+  std::vector<tool::Variant> variants = tool::product_of(*axes);
   for (std::size_t i = 0; i < varied.size(); ++i) {
     const std::string place = "--vary " + command.varied[i];
     if (const Status status = check_varied(command, varied[i].key, place); !status) return status.error();
-    auto more = verifier::with_varied(variants, scene, varied[i], place);
+    auto more = tool::with_varied(variants, scene, varied[i], place);
     if (!more) return more.error();
     variants = *std::move(more);
     if (variants.size() > variant_count_max)
@@ -486,7 +487,7 @@ int run_compare(const CompareCommand& command) {
                          fmt::format("{}: found {} with a trace, expected neither --seconds nor --ticks",
                                      command.subject, command.seconds ? "--seconds" : "--ticks"),
                          "a trace runs for its own ticks; a scene runs as long as you say"});
-    auto read = verifier::session_of_trace(command.subject);
+    auto read = tool::session_of_trace(command.subject);
     if (!read) return fail(read.error());
     session = std::move(*read);
   } else {
@@ -497,16 +498,16 @@ int run_compare(const CompareCommand& command) {
                                          : command.seconds.value_or(10);
   }
   for (const std::string& host : command.hosts)
-    if (const Status known = verifier::check_host(host, command.host_seed); !known) return fail_usage(known.error());
+    if (const Status known = tool::check_host(host, command.host_seed); !known) return fail_usage(known.error());
   const auto varied = varied_keys_of(command);
   if (!varied) return fail_usage(varied.error());
   const auto variants = variants_of(command, session.scene, *varied);
   if (!variants) return fail_usage(variants.error());
-  verifier::CompareOptions options;
+  tool::CompareOptions options;
   options.twin_count = static_cast<int>(command.twin_count);
   options.host_seed = command.host_seed;
   options.wall_clock = !command.threads.empty();
-  verifier::CsvColumns columns;
+  tool::CsvColumns columns;
   if (!command.columns.empty()) {
     for (const std::string& name : command.columns)
       if (name == "tick" || name == "time")
@@ -514,7 +515,7 @@ int run_compare(const CompareCommand& command) {
             {ErrorCode::usage,
              "--columns: found " + name + ", expected a value of the world; each run ends at the same time",
              {}});
-    auto made = verifier::CsvColumns::make(command.columns, session.scene, "--columns");
+    auto made = tool::CsvColumns::make(command.columns, session.scene, "--columns");
     if (!made) return fail_usage(made.error());
     columns = *std::move(made);
   }
@@ -523,7 +524,7 @@ int run_compare(const CompareCommand& command) {
   options.thread_count = command.job_count > 0 ? static_cast<unsigned>(command.job_count) : job_count;
   Progress progress("compare " + session.scene.name, 1, "runs");
   options.progress = [&](std::uint64_t done, std::uint64_t total) { progress.update(done, total); };
-  const auto report = verifier::compare_variants(session, *variants, options);
+  const auto report = tool::compare_variants(session, *variants, options);
   progress.finish();
   if (!report) return fail_usage(report.error());
   const std::string command_line = command_line_of(command, session);

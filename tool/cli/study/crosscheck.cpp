@@ -19,11 +19,11 @@
 namespace ticktrue::cli {
 namespace {
 
-using verifier::Agreement;
-using verifier::CriterionResult;
-using verifier::CrosscheckReport;
-using verifier::CrosscheckSolver;
-using verifier::PeerKind;
+using tool::Agreement;
+using tool::CriterionResult;
+using tool::CrosscheckReport;
+using tool::CrosscheckSolver;
+using tool::PeerKind;
 
 constexpr std::size_t text_width = 116;  // of a line
 
@@ -40,7 +40,7 @@ struct CrosscheckCommand {
 };
 
 std::string_view verdict_name(Agreement verdict) {
-  return verifier::verdict_names[static_cast<std::size_t>(verdict)];
+  return tool::verdict_names[static_cast<std::size_t>(verdict)];
 }
 
 // Three digits, four decimals at most: the JSON has them all.
@@ -96,8 +96,8 @@ std::string row_text(const CriterionResult& row) {
   return text;
 }
 
-const verifier::PeerInfo& peer_info(PeerKind kind) {
-  return engine::info_of(verifier::peers, kind);
+const tool::PeerInfo& peer_info(PeerKind kind) {
+  return engine::info_of(tool::peers, kind);
 }
 
 std::string report_text(const CrosscheckReport& report) {
@@ -224,14 +224,14 @@ Json reports_json(const std::vector<CrosscheckReport>& reports) {
 std::vector<PeerKind> peers_of(const CrosscheckCommand& command) {
   std::vector<PeerKind> kinds;
   for (const std::string& name : command.peers)
-    if (const verifier::PeerInfo* info = engine::find_choice(verifier::peers, name))
+    if (const tool::PeerInfo* info = engine::find_choice(tool::peers, name))
       if (std::find(kinds.begin(), kinds.end(), info->kind) == kinds.end()) kinds.push_back(info->kind);
   if (kinds.empty()) kinds.push_back(PeerKind::box2d2);
   return kinds;
 }
 
-verifier::CrosscheckOptions options_of(const CrosscheckCommand& command) {
-  verifier::CrosscheckOptions options;
+tool::CrosscheckOptions options_of(const CrosscheckCommand& command) {
+  tool::CrosscheckOptions options;
   for (const std::string& name : command.solvers)
     if (const engine::SolverInfo* info = engine::find_choice(engine::solvers, name))
       options.solvers.push_back(info->kind);
@@ -252,7 +252,7 @@ Status check_available(const std::vector<PeerKind>& kinds) {
 // ---- The suite ----
 
 struct SuiteRow {
-  const verifier::SuiteScene* scene;
+  const tool::SuiteScene* scene;
   CrosscheckReport report;
 };
 
@@ -288,9 +288,9 @@ SuiteVerdict suite_verdict(const SuiteRow& row, const CrosscheckSolver& solver) 
   if (!row.scene->falls_short || solver.solver != engine::info_of(engine::solvers, engine::SolverKind::tgs_soft).name)
     return plain_verdict(solver);
   for (const CriterionResult& each : row.report.rows) {
-    if (each.solver != solver.solver || each.criterion != verifier::stands_criterion) continue;
+    if (each.solver != solver.solver || each.criterion != tool::stands_criterion) continue;
     const bool is_told = each.verdict == Agreement::differ && !each.box2d_finest.empty() &&
-                         verifier::mean_of(each.ours) < verifier::mean_of(each.box2d_finest);
+                         tool::mean_of(each.ours) < tool::mean_of(each.box2d_finest);
     if (is_told) return SuiteVerdict::falls_short;
     return row.report.peer == PeerKind::box2d2 ? SuiteVerdict::misjudged : plain_verdict(solver);
   }
@@ -439,20 +439,20 @@ std::string peer_suite_text(const std::vector<SuiteRow>& rows, PeerKind kind, bo
 }
 
 int run_suite(const CrosscheckCommand& command) {
-  std::vector<const verifier::SuiteScene*> scenes;
-  for (const verifier::SuiteScene& scene : verifier::crosscheck_suite())
+  std::vector<const tool::SuiteScene*> scenes;
+  for (const tool::SuiteScene& scene : tool::crosscheck_suite())
     if (command.scenes.empty() ||
         std::find(command.scenes.begin(), command.scenes.end(), scene.name) != command.scenes.end())
       scenes.push_back(&scene);
   for (const std::string& name : command.scenes)
     if (std::none_of(scenes.begin(), scenes.end(), [&](const auto* scene) { return scene->name == name; })) {
       std::string known;
-      for (const verifier::SuiteScene& scene : verifier::crosscheck_suite())
+      for (const tool::SuiteScene& scene : tool::crosscheck_suite())
         known += (known.empty() ? "" : " ") + std::string(scene.name);
       return fail_usage({ErrorCode::usage, name + ": not a scene of the suite", "one of: " + known});
     }
 
-  verifier::CrosscheckOptions options = options_of(command);
+  tool::CrosscheckOptions options = options_of(command);
   options.match_skin = true;
   const std::vector<PeerKind> kinds = peers_of(command);
   if (const Status available = check_available(kinds); !available) return fail_usage(available.error());
@@ -460,11 +460,11 @@ int run_suite(const CrosscheckCommand& command) {
   Progress progress("crosscheck", scenes.size() * kinds.size(), "scenes");
   for (const PeerKind kind : kinds) {
     options.peer = kind;
-    for (const verifier::SuiteScene* scene : scenes) {
+    for (const tool::SuiteScene* scene : scenes) {
       engine::Scene made = scene->make();
       made.name = scene->name;
       if (command.seconds == 0) options.seconds = scene->seconds;
-      Result<CrosscheckReport> report = verifier::crosscheck(made, options);
+      Result<CrosscheckReport> report = tool::crosscheck(made, options);
       if (!report) return fail_usage(report.error());
       rows.push_back({scene, std::move(*report)});
       progress.update(rows.size());
@@ -490,7 +490,7 @@ int run_crosscheck(const CrosscheckCommand& command) {
                        "ticktrue crosscheck --help shows examples"});
   const Result<engine::Scene> scene = load_scene_argument(command.scenes.front());
   if (!scene) return fail_usage(scene.error());
-  verifier::CrosscheckOptions options = options_of(command);
+  tool::CrosscheckOptions options = options_of(command);
   std::optional<Progress> progress;
   std::uint64_t total_shown = 0;
   options.progress = [&](std::uint64_t done, std::uint64_t total) {
@@ -503,7 +503,7 @@ int run_crosscheck(const CrosscheckCommand& command) {
   std::vector<CrosscheckReport> reports;
   for (const PeerKind kind : kinds) {
     options.peer = kind;
-    Result<CrosscheckReport> report = verifier::crosscheck(*scene, options);
+    Result<CrosscheckReport> report = tool::crosscheck(*scene, options);
     progress.reset();
     total_shown = 0;
     if (!report) return fail_usage(report.error());
@@ -533,7 +533,7 @@ void add_crosscheck(CLI::App& app, CliContext& context) {
                     "Give Box2D's polygons so thin a skin that they rest where their geometry touches");
   std::vector<std::string> peer_names;
   std::string peer_help = "Peers, may be repeated; default: box2d2";
-  for (const verifier::PeerInfo& info : verifier::peers) {
+  for (const tool::PeerInfo& info : tool::peers) {
     peer_names.emplace_back(info.name);
     peer_help += fmt::format("; {}: {}", info.name, info.summary);
   }

@@ -80,9 +80,9 @@ void print_text(const engine::Engine& engine, const DescribeOptions& options) {
     print(fmt::format("  {:<16} {:<20} {}\n", choice.key, choice.value, choice.summary));
     if (options.full) print(fmt::format("  {:<16} {}\n", "", "of " + choice.allowed));
   }
-  if (const std::vector<std::string> notes = verifier::scene_notes(scene); !notes.empty()) {
+  if (const std::vector<std::string> notes = tool::scene_notes(scene); !notes.empty()) {
     print("notes\n");
-    for (const std::string& note : notes) print(verifier::wrapped(note, 2));
+    for (const std::string& note : notes) print(tool::wrapped(note, 2));
   }
   print("pipeline of a tick\n");
   for (const engine::StageDescription& stage : engine.describe())
@@ -120,7 +120,7 @@ void print_object(const engine::Engine& engine) {
     object["inputs"].push_back(engine::input_kinds[static_cast<std::size_t>(kind)].name);
   object["choices"] = Json::object();
   for (const ChoiceText& choice : choices_of(scene)) object["choices"][std::string(choice.key)] = choice.value;
-  object["notes"] = verifier::scene_notes(scene);
+  object["notes"] = tool::scene_notes(scene);
   object["stages"] = Json::array();
   for (const engine::StageDescription& stage : engine.describe())
     object["stages"].push_back({{"name", stage.name}, {"included", stage.included}, {"why", stage.why}});

@@ -110,7 +110,7 @@ int run_random(const ScenesOptions& options) {
                                           static_cast<std::uint32_t>(options.tick_count_max)};
   engine::RandomWorld world = engine::random_world(*options.seed, limits);
   // The soak runs such worlds, too. A file of one would be refused.
-  const bool is_too_far = !verifier::check_f32_reach(world.scene, options.output);
+  const bool is_too_far = !tool::check_f32_reach(world.scene, options.output);
   if (is_too_far) {
     world.scene.settings.precision = engine::Precision::f64;
     world.rows = engine::rows_of_world(world);

@@ -21,14 +21,14 @@
 namespace ticktrue::cli {
 namespace {
 
-using verifier::full_number;
-using verifier::RunTimeRow;
-using verifier::short_number;
-using verifier::StabilityRow;
-using verifier::StressRow;
-using verifier::StudyVerdict;
-using verifier::TextTable;
-using verifier::VerdictCounts;
+using tool::full_number;
+using tool::RunTimeRow;
+using tool::short_number;
+using tool::StabilityRow;
+using tool::StressRow;
+using tool::StudyVerdict;
+using tool::TextTable;
+using tool::VerdictCounts;
 
 struct StressCommand {
   std::vector<std::string> cases;
@@ -64,17 +64,17 @@ std::string cases_text(const std::vector<StressRow>& rows) {
   for (std::size_t i = 0; i < rows.size();) {
     const StressRow& first = rows[i];
     text += fmt::format("\n{}  {}\n", first.name, precision_name(first.precision));
-    text += verifier::wrapped(
+    text += tool::wrapped(
         fmt::format("{}; {}{}{}", first.what, bound_text(first), first.unit.empty() ? "" : " ", first.unit), 4);
     if (!first.best_known.empty())
-      text += verifier::wrapped(fmt::format("best known: {} ({})", first.best_known, first.source), 4);
+      text += tool::wrapped(fmt::format("best known: {} ({})", first.best_known, first.source), 4);
     for (; i < rows.size() && rows[i].name == first.name && rows[i].precision == first.precision; ++i) {
       const StressRow& row = rows[i];
       const bool is_left_out = row.verdict == StudyVerdict::not_applicable;
       std::string line = fmt::format("{:<22}{:>10}  {:<11} {}", row.method, is_left_out ? "-" : short_number(row.value),
                                      is_left_out ? "n/a" : verdict_name(row.verdict), row.reason);
       while (line.back() == ' ') line.pop_back();
-      text += verifier::wrapped(line, 4);
+      text += tool::wrapped(line, 4);
     }
   }
   return text;
@@ -135,7 +135,7 @@ std::string limits_text(const std::vector<StabilityRow>& limits) {
                std::string(precision_name(row.precision)),
                std::isinf(row.found) ? "none" : fmt::format("{:.3f}", row.found),
                std::isinf(row.theory) ? "none" : fmt::format("{:.4f}", row.theory),
-               verifier::stability_holds(row) ? "pass" : "fail"});
+               tool::stability_holds(row) ? "pass" : "fail"});
   return "\nstability limits  largest w h at which an undamped oscillation does not grow, by bisection\n" +
          table.text();
 }
@@ -144,7 +144,7 @@ VerdictCounts verdicts_of(const std::vector<StressRow>& rows, const std::vector<
   VerdictCounts counts;
   for (const StressRow& row : rows) counts.add(row.verdict);
   for (const StabilityRow& row : limits)
-    counts.add(verifier::stability_holds(row) ? StudyVerdict::pass : StudyVerdict::fail);
+    counts.add(tool::stability_holds(row) ? StudyVerdict::pass : StudyVerdict::fail);
   return counts;
 }
 
@@ -185,7 +185,7 @@ Json report_json(const std::vector<StressRow>& rows, const std::vector<Stability
                                           {"precision", precision_name(row.precision)},
                                           {"found", number_json(row.found)},
                                           {"theory", number_json(row.theory)},
-                                          {"verdict", verifier::stability_holds(row) ? "pass" : "fail"}});
+                                          {"verdict", tool::stability_holds(row) ? "pass" : "fail"}});
   return object;
 }
 
@@ -203,14 +203,14 @@ std::string run_time_text(const std::vector<RunTimeRow>& rows) {
                std::to_string(row.limited_ticks), short_number(row.overlap), short_number(row.gap)});
   }
   return "\nrun time  of a tick, automatic substeps and 64 fixed ones in turns on one thread\n" + table.text() +
-         verifier::wrapped(fmt::format("ratio: auto over 64. worst: the same of {} ticks. over 4: auto over four "
-                                       "substeps. later: the same without the first {} ticks. substeps: the most of an "
-                                       "island. at most: ticks in which an island "
-                                       "had the most that the scene allows. cut: ticks in which the budget left a "
-                                       "shock unsettled. limited: ticks in which it took substeps from an island. "
-                                       "overlap: deepest, of the smallest size. gap: widest. Reported, not judged",
-                                       verifier::run_time_window, verifier::run_time_settling),
-                           4);
+         tool::wrapped(fmt::format("ratio: auto over 64. worst: the same of {} ticks. over 4: auto over four "
+                                   "substeps. later: the same without the first {} ticks. substeps: the most of an "
+                                   "island. at most: ticks in which an island "
+                                   "had the most that the scene allows. cut: ticks in which the budget left a "
+                                   "shock unsettled. limited: ticks in which it took substeps from an island. "
+                                   "overlap: deepest, of the smallest size. gap: widest. Reported, not judged",
+                                   tool::run_time_window, tool::run_time_settling),
+                       4);
 }
 
 Json run_time_json(const std::vector<RunTimeRow>& rows, const std::string& command_line) {
@@ -240,12 +240,11 @@ Json run_time_json(const std::vector<RunTimeRow>& rows, const std::string& comma
 }
 
 std::string run_time_csv(const std::vector<RunTimeRow>& rows) {
-  std::string text = verifier::csv_line(
-      {"scene", "precision", "ticks", "automatic_s", "fixed_s", "default_s", "automatic_later_s", "default_later_s",
-       "ratio", "worst_ratio", "substeps_most", "ticks_at_most", "cut_ticks", "limited_ticks", "overlap", "gap_m"});
+  std::string text = tool::csv_line({"scene", "precision", "ticks", "automatic_s", "fixed_s", "default_s",
+                                     "automatic_later_s", "default_later_s", "ratio", "worst_ratio", "substeps_most",
+                                     "ticks_at_most", "cut_ticks", "limited_ticks", "overlap", "gap_m"});
   for (const RunTimeRow& row : rows)
-    text +=
-        verifier::csv_line({row.scene, std::string(precision_name(row.precision)), std::to_string(row.tick_count),
+    text += tool::csv_line({row.scene, std::string(precision_name(row.precision)), std::to_string(row.tick_count),
                             full_number(row.automatic_s), full_number(row.fixed_s), full_number(row.default_s),
                             full_number(row.automatic_later_s), full_number(row.default_later_s),
                             full_number(row.ratio()), full_number(row.worst_ratio), std::to_string(row.substeps_most),
@@ -255,11 +254,11 @@ std::string run_time_csv(const std::vector<RunTimeRow>& rows) {
 }
 
 // A point for each scene: automatic substeps over 64 fixed ones, a curve for each precision.
-std::vector<verifier::Plot> run_time_plots(const std::vector<RunTimeRow>& rows) {
-  verifier::Plot plot{"run time of automatic substeps", "", "over 64 fixed substeps", false, true, {}};
+std::vector<tool::Plot> run_time_plots(const std::vector<RunTimeRow>& rows) {
+  tool::Plot plot{"run time of automatic substeps", "", "over 64 fixed substeps", false, true, {}};
   plot.joined = false;
   for (const auto& info : engine::precisions) {
-    verifier::PlotCurve curve{std::string(info.name), {}, {}, false};
+    tool::PlotCurve curve{std::string(info.name), {}, {}, false};
     for (const RunTimeRow& row : rows) {
       auto tick = std::find(plot.ticks.begin(), plot.ticks.end(), row.scene);
       if (tick == plot.ticks.end()) tick = plot.ticks.insert(tick, row.scene);
@@ -273,23 +272,24 @@ std::vector<verifier::Plot> run_time_plots(const std::vector<RunTimeRow>& rows) 
 }
 
 std::string csv_of(const std::vector<StressRow>& rows) {
-  std::string text = verifier::csv_line(
+  std::string text = tool::csv_line(
       {"case", "method", "precision", "verdict", "value", "lower", "upper", "unit", "reason", "best_known", "source"});
   for (const StressRow& row : rows)
-    text += verifier::csv_line({row.name, row.method, std::string(precision_name(row.precision)),
-                                std::string(verdict_name(row.verdict)), full_number(row.value), full_number(row.lower),
-                                full_number(row.upper), row.unit, row.reason, row.best_known, row.source});
+    text += tool::csv_line(
+        {row.name, row.method, std::string(precision_name(row.precision)), std::string(verdict_name(row.verdict)),
+         row.verdict == StudyVerdict::not_applicable ? "" : full_number(row.value), full_number(row.lower),
+         full_number(row.upper), row.unit, row.reason, row.best_known, row.source});
   return text;
 }
 
 // One diagram a precision: how far each case is from its upper bound, per method.
-std::vector<verifier::Plot> plots_of(const std::vector<StressRow>& rows) {
-  std::vector<verifier::Plot> plots;
+std::vector<tool::Plot> plots_of(const std::vector<StressRow>& rows) {
+  std::vector<tool::Plot> plots;
   for (const auto& info : engine::precisions) {
     const engine::Precision precision = info.kind;
     if (std::none_of(rows.begin(), rows.end(), [&](const StressRow& row) { return row.precision == precision; }))
       continue;
-    verifier::Plot plot{
+    tool::Plot plot{
         fmt::format("stress ({})", precision_name(precision)), "", "found over the upper bound", false, true, {}};
     plot.joined = false;
     plot.y_least = 1e-4;
@@ -314,7 +314,7 @@ std::vector<verifier::Plot> plots_of(const std::vector<StressRow>& rows) {
 
 int list_cases() {
   TextTable table({"case", "what"}, 2);
-  for (const verifier::StressCase& each : verifier::stress_cases())
+  for (const tool::StressCase& each : tool::stress_cases())
     table.add({each.name + (each.is_long ? " (--long)" : ""), each.what});
   print(table.text());
   return exit_ok;
@@ -334,14 +334,14 @@ std::vector<engine::Precision> precisions_or_f32(const StressCommand& command) {
 }
 
 int run_run_times(const StressCommand& command) {
-  verifier::RunTimeOptions options;
+  tool::RunTimeOptions options;
   options.names = command.cases;
   options.precisions = precisions_or_f32(command);
   options.loads = engine::find_choice(engine::substep_loads, command.loads)->kind;
   options.budget = static_cast<int>(command.budget);
   Progress progress("stress --run-time", 1, "ticks");
   options.progress = [&](std::uint64_t done, std::uint64_t total) { progress.update(done, total); };
-  const auto rows = verifier::run_times(options);
+  const auto rows = tool::run_times(options);
   progress.finish();
   if (!rows) return fail_usage(rows.error());
   std::string command_line = "ticktrue stress --run-time" + words_text(command.cases);
@@ -355,23 +355,43 @@ int run_run_times(const StressCommand& command) {
   return write_study_files(command.files, run_time_csv(*rows), run_time_plots(*rows));
 }
 
+/// Warns of each case of a user's file of which nothing was judged. True if there is none.
+bool warn_of_own(const std::vector<tool::StressCase>& own, const std::vector<StressRow>& rows) {
+  bool all_are_judged = true;
+  for (const tool::StressCase& mine : own) {
+    const bool is_judged = std::any_of(rows.begin(), rows.end(), [&](const StressRow& row) {
+      return row.name == mine.name && row.verdict != StudyVerdict::not_judged &&
+             row.verdict != StudyVerdict::not_applicable;
+    });
+    if (!is_judged) print_warning(mine.name + ": nothing was judged of what the file claims");
+    all_are_judged = all_are_judged && is_judged;
+  }
+  return all_are_judged;
+}
+
 int run_stress_command(const StressCommand& command) {
   if (command.list) return list_cases();
   if (command.example) {
-    print(verifier::example_stress);
+    print(tool::example_stress);
     return exit_ok;
   }
   if (const Status status = check_study_files(command.files, own_files(command.cases)); !status)
     return fail_usage(status.error());
   if (command.run_time) return run_run_times(command);
-  verifier::StressOptions options;
+  tool::StressOptions options;
   for (const std::string& name : command.cases) {
     if (std::filesystem::path(name).extension() != ".json") {
       options.names.push_back(name);
       continue;
     }
-    auto own = verifier::read_stress_file(name);
+    auto own = tool::read_stress_file(name);
     if (!own) return fail_usage(own.error());
+    const auto is_taken = [&](const tool::StressCase& mine) {
+      return std::any_of(options.own.begin(), options.own.end(),
+                         [&](const tool::StressCase& other) { return other.name == mine.name; });
+    };
+    if (std::any_of(own->begin(), own->end(), is_taken))
+      for (tool::StressCase& mine : *own) mine.name += " (" + name + ")";
     std::move(own->begin(), own->end(), std::back_inserter(options.own));
   }
   options.with_long = command.with_long;
@@ -380,12 +400,12 @@ int run_stress_command(const StressCommand& command) {
   Progress progress("stress", 1, "runs");
   options.progress = [&](std::uint64_t done, std::uint64_t total) { progress.update(done, total); };
   Result<std::vector<StressRow>> rows = std::vector<StressRow>();
-  if (!command.limits_alone) rows = verifier::run_stress(options);
+  if (!command.limits_alone) rows = tool::run_stress(options);
   progress.finish();
   if (!rows) return fail_usage(rows.error());
   std::vector<StabilityRow> limits;
   if (command.cases.empty() && !command.no_limits) {
-    auto found = verifier::stability_limits(precisions_or_f32(command), options.thread_count);
+    auto found = tool::stability_limits(precisions_or_f32(command), options.thread_count);
     if (!found) return fail_usage(found.error());
     limits = *std::move(found);
   }
@@ -404,7 +424,8 @@ int run_stress_command(const StressCommand& command) {
           limits_text(limits) + summary_text(*rows, counts) +
           (command.cases.empty() ? "spinning tops and gyroscopic terms: not applicable in two dimensions\n" : ""));
   if (const int code = write_study_files(command.files, csv_of(*rows), plots_of(*rows)); code != exit_ok) return code;
-  return counts.of(StudyVerdict::fail) > 0 ? exit_finding : exit_ok;
+  const bool all_are_judged = warn_of_own(options.own, *rows);
+  return counts.of(StudyVerdict::fail) > 0 || !all_are_judged ? exit_finding : exit_ok;
 }
 
 }  // namespace

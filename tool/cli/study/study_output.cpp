@@ -48,7 +48,7 @@ bool are_same(const std::string& a, const std::string& b) {
 
 }  // namespace
 
-using verifier::StudyVerdict;
+using tool::StudyVerdict;
 
 void add_study_files(CLI::App& command, StudyFiles& files) {
   command.add_flag("--json", files.json, "One JSON object");
@@ -82,7 +82,7 @@ std::vector<std::string> own_files(const std::vector<std::string>& words) {
   for (const std::string& word : words) {
     if (!is_json_file(word)) continue;
     files.push_back(word);
-    const Result<std::string> text = read_text_file(word, verifier::problem_file_size_max);
+    const Result<std::string> text = read_text_file(word, tool::problem_file_size_max);
     if (!text) continue;
     const Json tree = Json::parse(*text, nullptr, false);
     if (!tree.is_object()) continue;
@@ -99,13 +99,13 @@ std::string words_text(const std::vector<std::string>& words) {
   return text;
 }
 
-std::string counts_text(const verifier::VerdictCounts& counts) {
+std::string counts_text(const tool::VerdictCounts& counts) {
   return fmt::format("{} pass, {} fail, {} fall short, {} not judged, {} not applicable", counts.of(StudyVerdict::pass),
                      counts.of(StudyVerdict::fail), counts.of(StudyVerdict::falls_short),
                      counts.of(StudyVerdict::not_judged), counts.of(StudyVerdict::not_applicable));
 }
 
-void add_counts(Json& object, const verifier::VerdictCounts& counts) {
+void add_counts(Json& object, const tool::VerdictCounts& counts) {
   object["passed"] = counts.of(StudyVerdict::pass);
   object["failed"] = counts.of(StudyVerdict::fail);
   object["falls_short"] = counts.of(StudyVerdict::falls_short);
@@ -113,13 +113,13 @@ void add_counts(Json& object, const verifier::VerdictCounts& counts) {
   object["not_applicable"] = counts.of(StudyVerdict::not_applicable);
 }
 
-int write_study_files(const StudyFiles& files, const std::string& csv, const std::vector<verifier::Plot>& plots) {
+int write_study_files(const StudyFiles& files, const std::string& csv, const std::vector<tool::Plot>& plots) {
   if (!files.csv.empty()) {
     const Status written = verifier::write_data_file(files.csv, csv, files.force);
     if (!written) return fail_usage(written.error());
   }
   if (files.plot.empty()) return exit_ok;
-  const Status plotted = verifier::write_plots(plots, files.plot, files.force);
+  const Status plotted = tool::write_plots(plots, files.plot, files.force);
   if (plotted) return exit_ok;
   if (plotted.error().code != ErrorCode::unsupported) return fail_usage(plotted.error());
   print_warning(plotted.error().message + "; " + plotted.error().hint);

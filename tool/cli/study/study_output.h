@@ -34,7 +34,7 @@ std::string words_text(const std::vector<std::string>& words);
 
 /// Writes what was asked for. Returns exit_ok, or prints the error and returns its code; a plot that cannot be made is
 /// a warning: the table was printed.
-int write_study_files(const StudyFiles& files, const std::string& csv, const std::vector<verifier::Plot>& plots);
+int write_study_files(const StudyFiles& files, const std::string& csv, const std::vector<tool::Plot>& plots);
 
 /// null where there is no finite number.
 inline Json number_json(double value) {
@@ -49,8 +49,8 @@ inline std::string_view precision_name(engine::Precision precision) {
 }
 
 /// "3 pass, 0 fail, 1 expected, 2 not applicable"
-std::string counts_text(const verifier::VerdictCounts& counts);
+std::string counts_text(const tool::VerdictCounts& counts);
 /// The keys that every checking command has.
-void add_counts(Json& object, const verifier::VerdictCounts& counts);
+void add_counts(Json& object, const tool::VerdictCounts& counts);
 
 }  // namespace ticktrue::cli

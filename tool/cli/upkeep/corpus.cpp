@@ -23,10 +23,10 @@
 namespace ticktrue::cli {
 namespace {
 
-using verifier::CorpusUnit;
+using tool::CorpusUnit;
+using tool::UnitSource;
 using verifier::Report;
 using verifier::StoreFolder;
-using verifier::UnitSource;
 
 constexpr std::size_t job_count_max = 1024;
 constexpr std::uint64_t part_max_s = 1'000'000;
@@ -62,12 +62,12 @@ Result<double> parse_share(const std::string& text) {
 /// The sources of verdicts, each with its number of units, in the order of the table.
 std::string sources_text(const std::vector<CorpusUnit>& units) {
   std::string text;
-  for (std::size_t i = 0; i < verifier::unit_source_names.size(); ++i) {
+  for (std::size_t i = 0; i < tool::unit_source_names.size(); ++i) {
     const auto count = std::count_if(units.begin(), units.end(),
                                      [&](const CorpusUnit& unit) { return unit.source == static_cast<UnitSource>(i); });
     const bool is_always_told = i <= static_cast<std::size_t>(UnitSource::verified);
     if (count == 0 && !is_always_told) continue;
-    std::string name(verifier::unit_source_names[i]);
+    std::string name(tool::unit_source_names[i]);
     std::replace(name.begin(), name.end(), '_', ' ');
     text += (text.empty() ? "" : ", ") + std::to_string(count) + " " + name;
   }
@@ -128,21 +128,21 @@ void print_corpus(const std::vector<CorpusUnit>& units) {
 }
 
 void print_corpus_json(const std::vector<CorpusUnit>& units, const CorpusCommand& command,
-                       const verifier::BuildSubject& build) {
+                       const tool::BuildSubject& build) {
   Json object = {{"schema", "ticktrue.corpus/2"}};
   object["store"] = command.store;
   object["engine"] = hex128(build.engine);
   object["libraries"] = hex128(build.libraries);
   object["options"] = build.options;
   verifier::add_counts(object, reports_of(units), command.allow_truncated);
-  for (std::size_t i = 0; i < verifier::unit_source_names.size(); ++i)
-    object[std::string(verifier::unit_source_names[i])] = std::count_if(
+  for (std::size_t i = 0; i < tool::unit_source_names.size(); ++i)
+    object[std::string(tool::unit_source_names[i])] = std::count_if(
         units.begin(), units.end(), [&](const CorpusUnit& unit) { return unit.source == static_cast<UnitSource>(i); });
   Json rows = Json::array();
   for (const CorpusUnit& unit : units) {
     Json row = verifier::report_row_json(unit.report);
     row["key"] = unit.key.empty() ? Json(nullptr) : Json(unit.key);
-    row["source"] = verifier::unit_source_names[static_cast<std::size_t>(unit.source)];
+    row["source"] = tool::unit_source_names[static_cast<std::size_t>(unit.source)];
     Json problems = Json::array();
     for (const Error& problem : unit.problems) problems.push_back(problem.message);
     row["store_problems"] = std::move(problems);
@@ -170,7 +170,7 @@ Status check_options(const CorpusCommand& command) {
 
 using CorpusCall = Result<std::vector<CorpusUnit>> (*)(const std::vector<std::string>& files, const std::string& traces,
                                                        const verifier::VerdictStore& store,
-                                                       const verifier::CorpusOptions& options);
+                                                       const tool::CorpusOptions& options);
 
 int run_corpus(const CorpusCommand& command, StoreFolder::Use use, CorpusCall call) {
   if (const Status status = check_options(command); !status) return fail_usage(status.error());
@@ -180,7 +180,7 @@ int run_corpus(const CorpusCommand& command, StoreFolder::Use use, CorpusCall ca
   if (!files) return fail_usage(files.error());
   for (const std::string& output : {command.junit, command.html})
     if (const Status status = verifier::check_not_read(output, *files); !status) return fail_usage(status.error());
-  verifier::CorpusOptions options;
+  tool::CorpusOptions options;
   if (!command.shard.empty()) {
     const Result<verifier::Shard> shard = verifier::parse_shard(command.shard);
     if (!shard) return fail_usage(shard.error());
@@ -190,7 +190,7 @@ int run_corpus(const CorpusCommand& command, StoreFolder::Use use, CorpusCall ca
   auto program = open_program(command.program, command.mode);
   if (!program) return fail_usage(program.error());
   options.program = *std::move(program);
-  const Result<verifier::BuildSubject> build = verifier::build_subject(options.mode, options.program.get());
+  const Result<tool::BuildSubject> build = tool::build_subject(options.mode, options.program.get());
   if (!build) return fail_usage(build.error());
   const Result<StoreFolder> folder = StoreFolder::open(command.store, use, !command.no_sync);
   if (!folder) return fail_usage(folder.error());
@@ -214,7 +214,7 @@ int run_corpus(const CorpusCommand& command, StoreFolder::Use use, CorpusCall ca
     print_corpus_json(*units, command, *build);
   else
     print_corpus(*units);
-  int code = verifier::corpus_exit_code(*units, command.allow_truncated);
+  int code = tool::corpus_exit_code(*units, command.allow_truncated);
   const auto write = [&](const Status& status) {
     if (status) return;
     print_error(status.error());
@@ -286,7 +286,7 @@ void add_corpus(CLI::App& app, CliContext& context) {
                "For a program with a session:\n"
                "  ticktrue corpus verify sessions --cache verdicts --command './mygame --verify {}'");
   verify->callback([verify_options, &context] {
-    context.exit_code = run_corpus(*verify_options, StoreFolder::Use::writing, verifier::verify_corpus);
+    context.exit_code = run_corpus(*verify_options, StoreFolder::Use::writing, tool::verify_corpus);
   });
 
   auto report_options = std::make_shared<CorpusCommand>();
@@ -305,7 +305,7 @@ void add_corpus(CLI::App& app, CliContext& context) {
                "ticktrue corpus verify . --cache verdicts\n"
                "ticktrue corpus report verdicts . --junit results.xml --html all.html");
   report->callback([report_options, &context] {
-    context.exit_code = run_corpus(*report_options, StoreFolder::Use::reading, verifier::look_up_corpus);
+    context.exit_code = run_corpus(*report_options, StoreFolder::Use::reading, tool::look_up_corpus);
   });
   add_corpus_log(*command, context);
   add_corpus_slurm(*command, context);

@@ -29,8 +29,7 @@ struct CorpusProgram {
 /// `runs`: the command runs the program, or has it run.
 void add_program_options(CLI::App& command, CorpusProgram& options, bool runs);
 /// Null: there is no --command. Errors: usage, io, limit, unsupported.
-Result<std::shared_ptr<const verifier::ProgramSubject>> open_program(const CorpusProgram& options,
-                                                                     const std::string& mode);
+Result<std::shared_ptr<const tool::ProgramSubject>> open_program(const CorpusProgram& options, const std::string& mode);
 
 struct CorpusPage {
   std::string path;
@@ -38,7 +37,7 @@ struct CorpusPage {
   bool allow_truncated = false;
 };
 /// Writes a page about the units, over an older file. The page of the worst trace is inside of it. Errors: io.
-Status write_corpus_page(const std::vector<verifier::CorpusUnit>& units, const verifier::BuildSubject& build,
+Status write_corpus_page(const std::vector<tool::CorpusUnit>& units, const tool::BuildSubject& build,
                          const CorpusPage& page);
 
 }  // namespace ticktrue::cli

@@ -16,9 +16,9 @@
 namespace ticktrue::cli {
 namespace {
 
+using tool::TraceLog;
 using verifier::HistoryRow;
 using verifier::StoreFolder;
-using verifier::TraceLog;
 
 constexpr std::size_t short_digest_size = 8;  // hexadecimal digits
 
@@ -42,7 +42,7 @@ void print_log(const TraceLog& log, const LogCommand& command) {
   print(fmt::format("{}: {} in {}\n", command.trace, count_text(log.rows.size(), "verdict"), command.store));
   print(fmt::format("  {:19}  {:12}  {:8}  {:16}  {}\n", "verified (UTC)", "commit", "engine", "verdict", "ticks"));
   for (const HistoryRow& row : log.rows)
-    print(fmt::format("  {:19}  {:12}  {:8}  {:16}  {}\n", verifier::time_text(row.when_s), row.commit,
+    print(fmt::format("  {:19}  {:12}  {:8}  {:16}  {}\n", tool::time_text(row.when_s), row.commit,
                       hex128(row.engine).substr(0, short_digest_size), row.verdict, ticks_text(row)));
   if (!log.changed) {
     print("no build changed its bits\n");
@@ -57,7 +57,7 @@ void print_log(const TraceLog& log, const LogCommand& command) {
 
 Json row_json(const HistoryRow& row) {
   Json object;
-  object["verified"] = verifier::time_text(row.when_s);
+  object["verified"] = tool::time_text(row.when_s);
   object["commit"] = row.commit;
   object["build"] = row.build;
   object["engine"] = hex128(row.engine);
@@ -88,7 +88,7 @@ void print_log_json(const TraceLog& log, const LogCommand& command) {
 int run_log(const LogCommand& command) {
   const Result<StoreFolder> folder = StoreFolder::open(command.store, StoreFolder::Use::reading, false);
   if (!folder) return fail_usage(folder.error());
-  const Result<TraceLog> log = verifier::read_trace_log(command.trace, *folder, command.mode);
+  const Result<TraceLog> log = tool::read_trace_log(command.trace, *folder, command.mode);
   if (!log) return fail_usage(log.error());
   for (const std::string& warning : log->warnings) print_warning(warning);
   if (log->rows.empty())

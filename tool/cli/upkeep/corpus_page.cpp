@@ -19,8 +19,8 @@
 namespace ticktrue::cli {
 namespace {
 
-using verifier::CorpusUnit;
-using verifier::html_text;
+using tool::CorpusUnit;
+using tool::html_text;
 
 constexpr std::size_t match_row_count_max = 1000;  // the page stays below a megabyte
 
@@ -47,20 +47,20 @@ std::string summary(const std::vector<CorpusUnit>& units, bool allow_truncated) 
   std::string text = "<table id=counts>\n";
   for (const verifier::VerdictInfo& info : verifier::verdicts) {
     const auto count = std::count_if(units.begin(), units.end(), [&](const CorpusUnit& unit) {
-      return unit.report.verdict == info.verdict && unit.source != verifier::UnitSource::missing;
+      return unit.report.verdict == info.verdict && unit.source != tool::UnitSource::missing;
     });
     const bool is_good = info.exit_code == exit_ok || (allow_truncated && info.exit_code == exit_incomplete);
     if (count > 0) text += count_row(info.name, static_cast<std::size_t>(count), is_good);
   }
-  const auto missing = std::count_if(
-      units.begin(), units.end(), [](const CorpusUnit& unit) { return unit.source == verifier::UnitSource::missing; });
+  const auto missing = std::count_if(units.begin(), units.end(),
+                                     [](const CorpusUnit& unit) { return unit.source == tool::UnitSource::missing; });
   if (missing > 0) text += count_row("no verdict", static_cast<std::size_t>(missing), false);
   return text + "</table>\n";
 }
 
 std::string unit_row(const CorpusUnit& unit, bool allow_truncated) {
   const verifier::Report& report = unit.report;
-  const bool is_missing = unit.source == verifier::UnitSource::missing;
+  const bool is_missing = unit.source == tool::UnitSource::missing;
   const std::string what = report.divergence ? verifier::report_sentence(report) : report.reason;
   const std::string recorded = report.ticks_recorded ? std::to_string(*report.ticks_recorded) : "?";
   return fmt::format("<tr><td class={}>{}<td>{}<td class=n>{} of {}<td class=n>{:.3f}<td>{}<td><code>{}</code>\n",
@@ -114,19 +114,19 @@ std::string attribute_value(std::string_view page) {
 const CorpusUnit* worst_unit(const std::vector<CorpusUnit>& units, bool allow_truncated) {
   std::vector<int> codes;
   for (const CorpusUnit& unit : units)
-    if (unit.source != verifier::UnitSource::missing) codes.push_back(unit.report.exit_code(allow_truncated));
+    if (unit.source != tool::UnitSource::missing) codes.push_back(unit.report.exit_code(allow_truncated));
   const int worst = worst_exit_code(codes);
   if (worst == exit_ok) return nullptr;
   for (const CorpusUnit& unit : units)
-    if (unit.source != verifier::UnitSource::missing && unit.report.exit_code(allow_truncated) == worst) return &unit;
+    if (unit.source != tool::UnitSource::missing && unit.report.exit_code(allow_truncated) == worst) return &unit;
   return nullptr;
 }
 
 std::string worst_page(const CorpusUnit& unit, bool allow_truncated) {
-  verifier::PageOptions options;
+  tool::PageOptions options;
   options.allow_truncated = allow_truncated;
   options.command = "ticktrue report " + verifier::shell_word(unit.report.file);
-  const Result<verifier::Page> page = verifier::make_report_page(unit.report, options);
+  const Result<tool::Page> page = tool::make_report_page(unit.report, options);
   const std::string title = "<h2>The worst: " + html_text(unit.report.file) + "</h2>\n";
   if (!page) return title + "<p>" + html_text(page.error().message) + "</p>\n";
   return title + "<iframe id=worst title=\"the worst trace\" sandbox=allow-scripts srcdoc=\"" +
@@ -135,7 +135,7 @@ std::string worst_page(const CorpusUnit& unit, bool allow_truncated) {
 
 }  // namespace
 
-Status write_corpus_page(const std::vector<CorpusUnit>& units, const verifier::BuildSubject& build,
+Status write_corpus_page(const std::vector<CorpusUnit>& units, const tool::BuildSubject& build,
                          const CorpusPage& page) {
   auto file = verifier::DataFile::create(page.path, true);
   if (!file) return file.error();

@@ -42,15 +42,15 @@ void add_program_options(CLI::App& command, CorpusProgram& options, bool runs) {
       ->type_name("NAME");
 }
 
-Result<std::shared_ptr<const verifier::ProgramSubject>> open_program(const CorpusProgram& options,
-                                                                     const std::string& mode) {
+Result<std::shared_ptr<const tool::ProgramSubject>> open_program(const CorpusProgram& options,
+                                                                 const std::string& mode) {
   const auto refuse = [](const std::string& what, const std::string& hint = "") {
     return Error{ErrorCode::usage, what, hint};
   };
   if (!options.words) {
     if (!options.files.empty()) return refuse("--program-file: found no --command, expected the program");
     if (options.commit != "-") return refuse("--program-commit: found no --command, expected the program");
-    return std::shared_ptr<const verifier::ProgramSubject>();
+    return std::shared_ptr<const tool::ProgramSubject>();
   }
   if (mode != "replay")
     return refuse("--mode: found it with --command, expected it among the words of the program",
@@ -60,15 +60,14 @@ Result<std::shared_ptr<const verifier::ProgramSubject>> open_program(const Corpu
     return refuse("--program-commit: expected 1.." + std::to_string(commit_size_max) + " letters without blanks");
   Result<std::vector<std::string>> words = verifier::split_command(*options.words);
   if (!words) return words.error();
-  verifier::ProgramChoice choice;
+  tool::ProgramChoice choice;
   choice.words = *std::move(words);
   choice.more_files = options.files;
   choice.version = options.commit;
   choice.time_s = static_cast<double>(options.timeout_s);
-  Result<verifier::ProgramSubject> subject = verifier::ProgramSubject::make(choice);
+  Result<tool::ProgramSubject> subject = tool::ProgramSubject::make(choice);
   if (!subject) return subject.error();
-  return std::shared_ptr<const verifier::ProgramSubject>(
-      std::make_shared<verifier::ProgramSubject>(*std::move(subject)));
+  return std::shared_ptr<const tool::ProgramSubject>(std::make_shared<tool::ProgramSubject>(*std::move(subject)));
 }
 
 }  // namespace ticktrue::cli

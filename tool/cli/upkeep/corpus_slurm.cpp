@@ -60,7 +60,7 @@ Status check_words(const SlurmCommand& command) {
 }
 
 /// The words may name files beside the folder in which the script is made.
-void add_program_words(const CorpusProgram& program, verifier::SlurmJob& job) {
+void add_program_words(const CorpusProgram& program, tool::SlurmJob& job) {
   job.folder = absolute(".");
   for (auto* words : {&job.verify_words, &job.report_words}) {
     words->insert(words->end(), {"--command", *program.words});
@@ -77,16 +77,16 @@ int run_slurm(const SlurmCommand& command) {
   const Result<StoreFolder> folder = StoreFolder::open(command.store, StoreFolder::Use::writing, true);
   if (!folder) return fail_usage(folder.error());
   const verifier::VerdictStore store(*folder);
-  verifier::CorpusOptions options;
+  tool::CorpusOptions options;
   options.mode = verify_mode_of(command.mode);
   options.thread_count = core_count();
   auto program = open_program(command.program, command.mode);
   if (!program) return fail_usage(program.error());
   options.program = *std::move(program);
-  const Result<std::vector<double>> costs = verifier::open_costs(*files, command.traces.front(), store, options);
+  const Result<std::vector<double>> costs = tool::open_costs(*files, command.traces.front(), store, options);
   if (!costs) return fail_usage(costs.error());
 
-  verifier::SlurmJob job;
+  tool::SlurmJob job;
   job.tool = own_path();
   for (const std::string& trace : command.traces) job.traces.push_back(absolute(trace));
   job.store = absolute(command.store);
@@ -104,7 +104,7 @@ int run_slurm(const SlurmCommand& command) {
   job.cpu_count = command.cpus;
   job.task_count_max = command.tasks_max;
   job.task_minutes = command.minutes;
-  print(verifier::slurm_script(job, verifier::slurm_size(*costs, job)));
+  print(tool::slurm_script(job, tool::slurm_size(*costs, job)));
   return exit_ok;
 }
 

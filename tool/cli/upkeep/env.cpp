@@ -31,7 +31,7 @@ std::string features_text(const BuildInfo& build) {
                      build.has_threads ? "yes" : "no");
 }
 
-Json env_json(const verifier::FloatEnvironment& floats, const std::vector<verifier::ProbePart>& parts) {
+Json env_json(const tool::FloatEnvironment& floats, const std::vector<tool::ProbePart>& parts) {
   const BuildInfo& build = build_info();
   const verifier::MachineFacts machine = verifier::machine_facts();
   Json object;
@@ -46,7 +46,7 @@ Json env_json(const verifier::FloatEnvironment& floats, const std::vector<verifi
   object["threads"] = build.has_threads;
   object["trace_format"] = replay::format_version;
   object["physics_version"] = engine::physics_version;
-  const std::optional<Hash128> digest = verifier::engine_digest();
+  const std::optional<Hash128> digest = tool::engine_digest();
   object["engine_digest"] = digest ? Json(hex128(*digest)) : Json(nullptr);
   object["cpu"] = machine.cpu;
   object["instruction_set"] = machine.instruction_set;
@@ -59,10 +59,10 @@ Json env_json(const verifier::FloatEnvironment& floats, const std::vector<verifi
                       {"contracts", behaviour.contracts},
                       {"evaluation_method", floats.evaluation_method},
                       {"digest", hex64(floats.digest)},
-                      {"digest_expected", hex64(verifier::float_digest_expected)},
-                      {"right", verifier::follows_rules(floats)}};
+                      {"digest_expected", hex64(tool::float_digest_expected)},
+                      {"right", tool::follows_rules(floats)}};
   if (!parts.empty()) object["probe"] = Json::array();
-  for (const verifier::ProbePart& part : parts)
+  for (const tool::ProbePart& part : parts)
     object["probe"].push_back({{"part", part.name},
                                {"what", part.what},
                                {"digest", hex64(part.digest)},
@@ -71,7 +71,7 @@ Json env_json(const verifier::FloatEnvironment& floats, const std::vector<verifi
   return object;
 }
 
-std::string env_text(const verifier::FloatEnvironment& floats, const std::vector<verifier::ProbePart>& parts) {
+std::string env_text(const tool::FloatEnvironment& floats, const std::vector<tool::ProbePart>& parts) {
   const BuildInfo& build = build_info();
   const verifier::MachineFacts machine = verifier::machine_facts();
   std::string text = build_line() + "\n";
@@ -91,28 +91,27 @@ std::string env_text(const verifier::FloatEnvironment& floats, const std::vector
       behaviour.rounding, behaviour.flushes_to_zero ? "flushed" : "kept",
       behaviour.subnormals_are_zero ? "zero" : "kept", behaviour.contracts ? "contracted" : "rounded twice",
       floats.evaluation_method, machine.control_word.empty() ? "" : ", ", machine.control_word);
-  text +=
-      fmt::format("  digest      {} ({})\n", hex64(floats.digest), verifier::follows_rules(floats) ? "right" : "wrong");
-  for (const verifier::ProbePart& part : parts)
+  text += fmt::format("  digest      {} ({})\n", hex64(floats.digest), tool::follows_rules(floats) ? "right" : "wrong");
+  for (const tool::ProbePart& part : parts)
     text += fmt::format("  probe       {} {:<14} {}{}\n", hex64(part.digest), part.name, part.what,
                         part.is_right() ? "" : ": WRONG, expected " + hex64(part.expected));
   return text;
 }
 
 int run_env(const EnvOptions& options) {
-  const verifier::FloatEnvironment floats = verifier::probe_float_environment();
-  std::vector<verifier::ProbePart> parts;
-  if (options.check) parts = verifier::probe_arithmetic();
+  const tool::FloatEnvironment floats = tool::probe_float_environment();
+  std::vector<tool::ProbePart> parts;
+  if (options.check) parts = tool::probe_arithmetic();
   if (options.json)
     print_json(env_json(floats, parts));
   else
     print(env_text(floats, parts));
 
   constexpr const char* hint = "traces of other machines will not verify here";
-  if (!verifier::follows_rules(floats)) {
+  if (!tool::follows_rules(floats)) {
     print_error(Error{ErrorCode::unsupported,
                       "floating point: found arithmetic with digest " + hex64(floats.digest) + ", expected " +
-                          hex64(verifier::float_digest_expected),
+                          hex64(tool::float_digest_expected),
                       hint});
     return exit_finding;
   }

@@ -46,7 +46,7 @@ void describe_change(const std::string& old_path, const std::string& new_path, G
   }
   outcome.was_there = true;
   verifier::DiffOptions options;
-  options.simulation = verifier::find_simulation(new_reader->setup().simulation);
+  options.simulation = tool::find_simulation(new_reader->setup().simulation);
   const verifier::DiffReport diff = verifier::diff(*old_reader, *new_reader, options);
   if (diff.exit_code() == exit_ok) return;
   outcome.first = diff.reason;

@@ -57,8 +57,8 @@ struct RowSession {
 
   Simulation& simulation() { return plugin ? *plugin->simulation : *engine; }
   replay::InputSource& source() { return plugin ? *plugin->inputs : *inputs.source; }
-  replay::TraceSetup setup(const verifier::TraceChoices& choices) const {
-    return plugin ? plugin_trace_setup(*plugin, choices) : verifier::make_trace_setup(*engine, choices);
+  replay::TraceSetup setup(const tool::TraceChoices& choices) const {
+    return plugin ? plugin_trace_setup(*plugin, choices) : tool::make_trace_setup(*engine, choices);
   }
 };
 
@@ -103,7 +103,7 @@ Result<std::string> run_again(RowSession& session, const GoldenRow& row) {
     if (!run) return run.error();
     return hex64(root_hash(session.simulation().state()));
   }
-  const auto run = verifier::run_session(*session.engine, session.source(), row.tick_count, {});
+  const auto run = tool::run_session(*session.engine, session.source(), row.tick_count, {});
   if (!run) return run.error();
   return hex64(run->root_hash);
 }
@@ -151,15 +151,15 @@ verifier::Report report_of_row(const GoldenRow& row, const std::string& path, Re
   if (!reader) return verifier::open_error_report(path, reader.error());
   if (row.plugin_setup() && has_plugin()) {
     const auto work = [&](verifier::SharedCount& compared) {
-      verifier::TraceVerification how;
+      tool::TraceVerification how;
       how.compared = &compared;
-      return verifier::verify_trace(*reader, path, how);
+      return tool::verify_trace(*reader, path, how);
     };
-    return verifier::verify_by_plugin(path, "replay", work).report;
+    return tool::verify_by_plugin(path, "replay", work).report;
   }
   if (row.command().empty()) {
     verifier::VerifyOptions options;
-    options.simulation = verifier::find_simulation(reader->setup().simulation);
+    options.simulation = tool::find_simulation(reader->setup().simulation);
     return verifier::verify(*reader, options);
   }
   const auto words = verifier::split_command(row.command());
@@ -213,14 +213,14 @@ Result<replay::RecordResult> record_row(const GoldenCommand& command, const Gold
   const auto work = [&]() -> Result<replay::RecordResult> {
     auto session = open_session(command, row);
     if (!session) return session.error();
-    verifier::TraceChoices choices;
+    tool::TraceChoices choices;
     choices.checkpoint_interval = golden_checkpoint_interval;
     if (const Status detail = parse_detail(row.detail, choices); !detail) return detail.error();
     replay::RecordOptions options;
     options.tick_count = (*session)->plugin ? (*session)->plugin->tick_count : row.tick_count;
     options.writer.compress = false;
     return replay::record((*session)->simulation(), (*session)->source(), path, (*session)->setup(choices),
-                          verifier::make_build_facts(), options);
+                          tool::make_build_facts(), options);
   };
   if (!row.plugin_setup()) return work();
   const Result<std::string> done = in_own_process([&]() -> Result<std::string> {

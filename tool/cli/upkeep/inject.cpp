@@ -65,7 +65,7 @@ int run_inject(const InjectCommand& command) {
     if (const Status known = check_substep(*command.after_substep, reader->setup()); !known)
       return fail_usage(known.error());
   verifier::InjectOptions options;
-  options.simulation = verifier::find_simulation(reader->setup().simulation);
+  options.simulation = tool::find_simulation(reader->setup().simulation);
   options.count = command.count;
   options.seed = command.seed;
   options.tick = command.tick;
@@ -76,7 +76,7 @@ int run_inject(const InjectCommand& command) {
   if (command.bit) options.bit = static_cast<std::uint32_t>(*command.bit);
   options.body_count = static_cast<std::uint32_t>(command.bodies);
   if (command.after_substep) options.after_substep = static_cast<std::uint32_t>(*command.after_substep);
-  if (options.simulation != nullptr && verifier::runs_on_threads(*options.simulation))
+  if (options.simulation != nullptr && tool::runs_on_threads(*options.simulation))
     options.thread_count =
         command.jobs == 0 ? core_count() : static_cast<unsigned>(std::min<std::uint64_t>(command.jobs, 1024));
   options.reopen = [&command]() -> std::unique_ptr<verifier::TraceSource> {

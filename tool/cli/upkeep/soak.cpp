@@ -23,7 +23,7 @@
 namespace ticktrue::cli {
 namespace {
 
-namespace soak = verifier::soak;
+namespace soak = soak;
 
 constexpr std::uint64_t known_world_count = 100;     // of --write-known
 constexpr std::uint64_t worlds_until_all_hit = 400;  // the rarest cached structure is hit in one world of thirty

@@ -9,7 +9,7 @@
 #include "verifier/store/agreement.h"
 #include "verifier/verify/segments.h"
 
-namespace ticktrue::verifier {
+namespace ticktrue::tool {
 namespace {
 
 Bytes encode_part_count(std::size_t count) {
@@ -23,7 +23,7 @@ Bytes encode_part_count(std::size_t count) {
 std::optional<std::size_t> read_part_count(ByteView bytes) {
   ByteReader in(bytes);
   const std::uint64_t count = in.u64();
-  if (!in.ok() || !in.at_end() || count < 1 || count > segment_count_max) return std::nullopt;
+  if (!in.ok() || !in.at_end() || count < 1 || count > verifier::segment_count_max) return std::nullopt;
   return static_cast<std::size_t>(count);
 }
 
@@ -51,7 +51,8 @@ void CorpusRun::estimate_costs() {
 std::size_t CorpusRun::parts_of(std::size_t i) {
   const State& state = states_[i];
   const double cost_s = state.cost.learned_s.value_or(0);
-  if (options_.mode != VerifyMode::replay || has_plugins_ || options_.program || cost_s <= options_.part_s) return 1;
+  if (options_.mode != verifier::VerifyMode::replay || has_plugins_ || options_.program || cost_s <= options_.part_s)
+    return 1;
   const std::string key = names_of(i).parts();
   Result<std::optional<Bytes>> found = find_agreement(store_.folder(), key);
   if (found && !*found) {
@@ -108,7 +109,7 @@ Status CorpusRun::take_shard_units() {
   const std::optional<ShardPlan> plan = decode_plan(**bytes, files_.size(), shard_count);
   if (!plan)
     return Error{ErrorCode::io, store_.folder().path() + ": the plan of the shards is not one for these traces",
-                 "remove " + store_.folder().path_of("agreed/" + spread_name(key))};
+                 "remove " + store_.folder().path_of("agreed/" + verifier::spread_name(key))};
   my_count_ = 0;
   for (std::size_t at = 0; at < order.size(); ++at) take_planned(states_[order[at]], plan->traces[at]);
   return {};
@@ -163,4 +164,4 @@ std::vector<CorpusRun::Job> CorpusRun::most_expensive_first() {
   return jobs;
 }
 
-}  // namespace ticktrue::verifier
+}  // namespace ticktrue::tool

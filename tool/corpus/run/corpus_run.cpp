@@ -13,7 +13,7 @@
 #include "verifier/store/renamed_report.h"
 #include "verifier/verify/parts.h"
 
-namespace ticktrue::verifier {
+namespace ticktrue::tool {
 namespace {
 
 constexpr double poll_s_max = 0.5;  // between two looks at units that other workers have
@@ -21,13 +21,13 @@ constexpr double polls_in_lease = 20;
 
 }  // namespace
 
-Report refused_report(const std::string& file, const std::string& reason, const std::string& hint) {
-  return open_error_report(file, Error{ErrorCode::io, reason, hint});
+verifier::Report refused_report(const std::string& file, const std::string& reason, const std::string& hint) {
+  return verifier::open_error_report(file, Error{ErrorCode::io, reason, hint});
 }
 
-Report conflict_report(const std::string& file, const FoundVerdict& found) {
-  Report report = refused_report(file, found.what, "find out which is right; then remove " + found.file);
-  report.verdict = Verdict::not_reproducible;
+verifier::Report conflict_report(const std::string& file, const verifier::FoundVerdict& found) {
+  verifier::Report report = refused_report(file, found.what, "find out which is right; then remove " + found.file);
+  report.verdict = verifier::Verdict::not_reproducible;
   return report;
 }
 
@@ -97,7 +97,7 @@ std::size_t CorpusRun::decided_count() {
   return decided_count_;
 }
 
-void CorpusRun::done(std::size_t i, UnitSource source, Report report) {
+void CorpusRun::done(std::size_t i, UnitSource source, verifier::Report report) {
   const std::lock_guard<std::mutex> guard(lock_);
   if (std::exchange(states_[i].is_done, true)) return;
   units_[i].source = source;
@@ -118,7 +118,7 @@ bool CorpusRun::identify(std::size_t i) {
   if (state.identity) return true;
   Result<TraceIdentity> identity = identify_trace(files_[i], index_, is_in_sample(i));
   if (!identity) {
-    done(i, UnitSource::missing, open_error_report(files_[i], identity.error()));
+    done(i, UnitSource::missing, verifier::open_error_report(files_[i], identity.error()));
     return false;
   }
   state.identity = *identity;
@@ -135,22 +135,22 @@ bool CorpusRun::is_in_sample(std::size_t i) const {
 }
 
 CorpusRun::StoreWord CorpusRun::ask_store(const std::string& key, std::size_t i) {
-  Result<FoundVerdict> found = store_.find(key);
+  Result<verifier::FoundVerdict> found = store_.find(key);
   const std::lock_guard<std::mutex> guard(lock_);
   if (!found) {
     units_[i].problems.push_back(found.error());
     return {};
   }
   switch (found->kind) {
-    case FoundVerdict::Kind::none:
+    case verifier::FoundVerdict::Kind::none:
       return {};
-    case FoundVerdict::Kind::damaged:
+    case verifier::FoundVerdict::Kind::damaged:
       units_[i].warnings.push_back(found->what);
       return {};
-    case FoundVerdict::Kind::conflict:
+    case verifier::FoundVerdict::Kind::conflict:
       return {StoreWord::Kind::conflict, conflict_report(files_[i], *found)};
-    case FoundVerdict::Kind::verdict:
-      const bool is_green = found->report->verdict == Verdict::match;
+    case verifier::FoundVerdict::Kind::verdict:
+      const bool is_green = found->report->verdict == verifier::Verdict::match;
       return {is_green ? StoreWord::Kind::green : StoreWord::Kind::red, std::move(*found->report)};
   }
   return {};
@@ -191,16 +191,16 @@ void CorpusRun::look_up_unit(std::size_t i) {
   const std::string& store = store_.folder().path();
   done(i, UnitSource::missing,
        refused_report(files_[i], files_[i] + ": found no " + missing + " in " + store + ", expected one",
-                      "ticktrue corpus verify " + shell_word(files_[i]) + " --cache " + shell_word(store) +
-                          (options_.program ? " --command with the same words" : "")));
+                      "ticktrue corpus verify " + verifier::shell_word(files_[i]) + " --cache " +
+                          verifier::shell_word(store) + (options_.program ? " --command with the same words" : "")));
 }
 
 bool CorpusRun::look_up_parts(std::size_t i, std::string& missing) {
   const Result<std::optional<Bytes>> agreed = find_agreement(store_.folder(), names_of(i).parts());
   const std::optional<std::size_t> count = agreed && *agreed ? read_part_count(**agreed) : std::nullopt;
   if (!count) return false;
-  std::vector<Report> reports(*count);
-  std::vector<const Report*> all;
+  std::vector<verifier::Report> reports(*count);
+  std::vector<const verifier::Report*> all;
   for (std::size_t p = 0; p < *count; ++p) {
     StoreWord word = ask_store(names_of(i).part({p, *count}), i);
     if (word.kind == StoreWord::Kind::conflict) {
@@ -216,13 +216,13 @@ bool CorpusRun::look_up_parts(std::size_t i, std::string& missing) {
     reports[p] = std::move(word.report);
     all.push_back(&reports[p]);
   }
-  std::optional<Report> whole = join_parts(all);
+  std::optional<verifier::Report> whole = join_parts(all);
   if (whole) done(i, UnitSource::cached, std::move(*whole));
   return whole.has_value();
 }
 
 Result<std::vector<CorpusUnit>> verify_corpus(const std::vector<std::string>& files, const std::string& traces,
-                                              const VerdictStore& store, const CorpusOptions& options) {
+                                              const verifier::VerdictStore& store, const CorpusOptions& options) {
   Result<BuildSubject> build = build_subject(options.mode, options.program.get());
   if (!build) return build.error();
   if (!options.program) return CorpusRun(files, traces, store, options, std::move(*build)).verify();
@@ -232,14 +232,14 @@ Result<std::vector<CorpusUnit>> verify_corpus(const std::vector<std::string>& fi
 }
 
 Result<std::vector<CorpusUnit>> look_up_corpus(const std::vector<std::string>& files, const std::string& traces,
-                                               const VerdictStore& store, const CorpusOptions& options) {
+                                               const verifier::VerdictStore& store, const CorpusOptions& options) {
   Result<BuildSubject> build = build_subject(options.mode, options.program.get());
   if (!build) return build.error();
   return CorpusRun(files, traces, store, options, std::move(*build)).look_up();
 }
 
 Result<std::vector<double>> open_costs(const std::vector<std::string>& files, const std::string& traces,
-                                       const VerdictStore& store, const CorpusOptions& options) {
+                                       const verifier::VerdictStore& store, const CorpusOptions& options) {
   Result<BuildSubject> build = build_subject(options.mode, options.program.get());
   if (!build) return build.error();
   return CorpusRun(files, traces, store, options, std::move(*build)).open_costs();
@@ -249,9 +249,9 @@ int corpus_exit_code(const std::vector<CorpusUnit>& units, bool allow_truncated)
   std::vector<int> codes;
   for (const CorpusUnit& unit : units) {
     codes.push_back(unit.report.exit_code(allow_truncated));
-    if (!unit.problems.empty()) codes.push_back(exit_usage);
+    if (!unit.problems.empty()) codes.push_back(verifier::exit_usage);
   }
-  return worst_exit_code(codes);
+  return verifier::worst_exit_code(codes);
 }
 
-}  // namespace ticktrue::verifier
+}  // namespace ticktrue::tool

@@ -24,7 +24,7 @@
 #include "verifier/corpus/trace_list.h"
 #include "verifier/store/verdict_store.h"
 
-namespace ticktrue::verifier {
+namespace ticktrue::tool {
 
 enum class UnitSource : std::uint8_t {
   cached,        // from the store
@@ -40,19 +40,19 @@ inline constexpr std::array<std::string_view, 6> unit_source_names{"cached",    
 struct CorpusUnit {
   std::string key;  // empty: the trace could not be read
   UnitSource source = UnitSource::missing;
-  Report report;
+  verifier::Report report;
   std::vector<Error> problems;        // with the store: the verdict stands, but others will not find it
   std::vector<std::string> warnings;  // damaged files of the store
 };
 
 struct CorpusOptions {
-  VerifyMode mode = VerifyMode::replay;
+  verifier::VerifyMode mode = verifier::VerifyMode::replay;
   std::shared_ptr<const ProgramSubject> program;  // that verifies its own traces, in mode replay; null: the engine does
   unsigned thread_count = 1;
   bool claims = false;
   double lease_s = 60;
   double recheck = 0;                                              // share of the cached verdicts, 0..1
-  std::optional<Shard> shard;                                      // the units of this shard alone
+  std::optional<verifier::Shard> shard;                            // the units of this shard alone
   double part_s = 60;                                              // of work: a trace above it is cut into parts
   std::function<bool()> stops;                                     // asked before each unit; may be empty
   std::function<void(std::size_t done, std::size_t of)> progress;  // one thread at a time; may be empty
@@ -61,18 +61,18 @@ struct CorpusOptions {
 /// One unit for each file, in their order; of a shard: for each file that it has a part of.
 /// `traces`: what the stat index is named by. Errors: unsupported, io.
 Result<std::vector<CorpusUnit>> verify_corpus(const std::vector<std::string>& files, const std::string& traces,
-                                              const VerdictStore& store, const CorpusOptions& options);
+                                              const verifier::VerdictStore& store, const CorpusOptions& options);
 
 /// What the store knows of the files; nothing is run. A file without a verdict is an error of its report.
 Result<std::vector<CorpusUnit>> look_up_corpus(const std::vector<std::string>& files, const std::string& traces,
-                                               const VerdictStore& store, const CorpusOptions& options);
+                                               const verifier::VerdictStore& store, const CorpusOptions& options);
 
 /// Seconds of work that this build has to do: of the files whose verdict the store does not have, learned or estimated.
 /// A file that cannot be read costs nothing. Errors: unsupported, io.
 Result<std::vector<double>> open_costs(const std::vector<std::string>& files, const std::string& traces,
-                                       const VerdictStore& store, const CorpusOptions& options);
+                                       const verifier::VerdictStore& store, const CorpusOptions& options);
 
 /// The worst of the reports, and 2 where the store had a problem.
 int corpus_exit_code(const std::vector<CorpusUnit>& units, bool allow_truncated);
 
-}  // namespace ticktrue::verifier
+}  // namespace ticktrue::tool

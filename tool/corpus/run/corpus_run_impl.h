@@ -28,19 +28,19 @@
 #include "verifier/store/verdict_store.h"
 #include "verifier/verify/verify.h"
 
-namespace ticktrue::verifier {
+namespace ticktrue::tool {
 
 /// The report of a trace that could not be examined.
-Report refused_report(const std::string& file, const std::string& reason, const std::string& hint);
+verifier::Report refused_report(const std::string& file, const std::string& reason, const std::string& hint);
 /// The report of a trace with two verdicts that differ.
-Report conflict_report(const std::string& file, const FoundVerdict& found);
+verifier::Report conflict_report(const std::string& file, const verifier::FoundVerdict& found);
 /// The agreed number of parts; nothing: the bytes are not a number of parts.
 std::optional<std::size_t> read_part_count(ByteView bytes);
 
 /// One run over the units of a corpus. A unit is a trace.
 class CorpusRun {
  public:
-  CorpusRun(const std::vector<std::string>& files, const std::string& traces, const VerdictStore& store,
+  CorpusRun(const std::vector<std::string>& files, const std::string& traces, const verifier::VerdictStore& store,
             const CorpusOptions& options, BuildSubject build, ProgramRuns* program = nullptr)
       : files_(files),
         store_(store),
@@ -52,7 +52,7 @@ class CorpusRun {
         history_(store.folder()),
         units_(files.size()),
         states_(files.size()),
-        has_plugins_(!options.program && !plugin_simulations().empty()),
+        has_plugins_(!options.program && !verifier::plugin_simulations().empty()),
         sample_seed_(std::random_device{}()) {}
 
   /// Verifies all units, in rounds: a unit that another worker holds is looked at again in the next round.
@@ -65,7 +65,7 @@ class CorpusRun {
   struct Part {
     bool is_mine = true;  // of this shard
     PartResult result = PartResult::open;
-    Report report;  // unless open
+    verifier::Report report;  // unless open
   };
   struct State {
     bool is_mine = true;  // of this shard, as a whole or in parts
@@ -75,11 +75,11 @@ class CorpusRun {
     TraceCost cost;
     double cost_s = 0;  // as estimated
     bool was_looked_up = false;
-    bool was_red = false;            // before this run: such a verdict is found again
-    bool is_recheck = false;         // of a verdict that is a match
-    std::vector<Part> parts;         // empty: the trace is not cut
-    std::optional<Report> red_part;  // the first part that is no match
-    bool needs_whole = false;        // a part is no match: a run from tick 0 decides
+    bool was_red = false;                      // before this run: such a verdict is found again
+    bool is_recheck = false;                   // of a verdict that is a match
+    std::vector<Part> parts;                   // empty: the trace is not cut
+    std::optional<verifier::Report> red_part;  // the first part that is no match
+    bool needs_whole = false;                  // a part is no match: a run from tick 0 decides
   };
   /// A trace, or a part of it.
   struct Job {
@@ -90,7 +90,7 @@ class CorpusRun {
   struct StoreWord {
     enum class Kind { nothing, green, red, conflict };
     Kind kind = Kind::nothing;
-    Report report;
+    verifier::Report report;
   };
 
   bool stops() const { return options_.stops && options_.stops(); }
@@ -104,7 +104,7 @@ class CorpusRun {
   void save_index();
   std::vector<CorpusUnit> my_units();
   std::size_t decided_count();
-  void done(std::size_t i, UnitSource source, Report report);
+  void done(std::size_t i, UnitSource source, verifier::Report report);
   bool is_done(std::size_t i);
   /// Sets the identity of the present bytes. False: the file is unreadable, and the unit is done with a report of it.
   bool identify(std::size_t i);
@@ -145,34 +145,35 @@ class CorpusRun {
   void advance_part(std::size_t i, std::size_t p);
   bool is_part_done_by_store(std::size_t i, std::size_t p);
   void run_part_of_unit(std::size_t i, std::size_t p);
-  void part_is_decided(std::size_t i, std::size_t p, Report report);
+  void part_is_decided(std::size_t i, std::size_t p, verifier::Report report);
   /// Requires: all parts of this worker are matches. Only one thread calls it.
   void finish_parts(std::size_t i);
-  PluginVerification verify_file(const std::string& file, const std::optional<TracePart>& part);
+  PluginVerification verify_file(const std::string& file, const std::optional<verifier::TracePart>& part);
   /// Nothing: the trace changed meanwhile, and the unit is done.
-  std::optional<PluginVerification> verify_unchanged(std::size_t i, const std::optional<TracePart>& part);
+  std::optional<PluginVerification> verify_unchanged(std::size_t i, const std::optional<verifier::TracePart>& part);
   void run_unit(std::size_t i, UnitSource source);
-  std::optional<Report> red_part_of(std::size_t i);
+  std::optional<verifier::Report> red_part_of(std::size_t i);
   bool was_red(std::size_t i);
 
   // ---- Storing ----
 
   /// If several workers join the same parts, the worker whose verdict the store took has verified the trace.
-  void store_joined(std::size_t i, Report report);
-  void store_report(std::size_t i, UnitSource source, Report report);
+  void store_joined(std::size_t i, verifier::Report report);
+  void store_report(std::size_t i, UnitSource source, verifier::Report report);
   /// Stores the row of the history first: a trace with a verdict is not verified again, and would never get a row.
-  Result<FoundVerdict> store(std::size_t i, const Report& report);
-  void finish_stored(std::size_t i, UnitSource source, Report report, const Result<FoundVerdict>& stored);
-  HistoryRow history_row(std::size_t i, const Report& report) const;
+  Result<verifier::FoundVerdict> store(std::size_t i, const verifier::Report& report);
+  void finish_stored(std::size_t i, UnitSource source, verifier::Report report,
+                     const Result<verifier::FoundVerdict>& stored);
+  verifier::HistoryRow history_row(std::size_t i, const verifier::Report& report) const;
 
   const std::vector<std::string>& files_;
-  const VerdictStore& store_;
+  const verifier::VerdictStore& store_;
   const CorpusOptions& options_;
   BuildSubject build_;
   ProgramRuns* program_;  // null: the engine verifies
-  StatIndex index_;
-  Claims claims_;
-  History history_;
+  verifier::StatIndex index_;
+  verifier::Claims claims_;
+  verifier::History history_;
   std::vector<CorpusUnit> units_;
   std::vector<State> states_;
   bool has_plugins_;
@@ -183,4 +184,4 @@ class CorpusRun {
   std::size_t decided_count_ = 0;  // units and parts
 };
 
-}  // namespace ticktrue::verifier
+}  // namespace ticktrue::tool

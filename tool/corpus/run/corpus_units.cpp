@@ -8,7 +8,7 @@
 #include "verifier/store/mapped_libraries.h"
 #include "verifier/verify/parts.h"
 
-namespace ticktrue::verifier {
+namespace ticktrue::tool {
 
 bool CorpusRun::is_over(const Job& job) {
   const std::lock_guard<std::mutex> guard(lock_);
@@ -39,9 +39,9 @@ void CorpusRun::advance(const Job& job) {
 }
 
 bool CorpusRun::claim(const std::string& key, std::size_t i) {
-  const Result<Claims::Answer> answer = claims_.try_claim(key);
+  const Result<verifier::Claims::Answer> answer = claims_.try_claim(key);
   if (!answer) done(i, UnitSource::missing, refused_report(files_[i], answer.error().message, answer.error().hint));
-  return answer && *answer == Claims::Answer::won;
+  return answer && *answer == verifier::Claims::Answer::won;
 }
 
 void CorpusRun::release(const std::string& key, std::size_t i) {
@@ -85,15 +85,15 @@ bool CorpusRun::is_part_done_by_store(std::size_t i, std::size_t p) {
 }
 
 void CorpusRun::run_part_of_unit(std::size_t i, std::size_t p) {
-  const TracePart part{p, states_[i].parts.size()};
+  const verifier::TracePart part{p, states_[i].parts.size()};
   std::optional<PluginVerification> found = verify_unchanged(i, part);
   if (!found) return;
-  if (found->report.verdict == Verdict::error) {
+  if (found->report.verdict == verifier::Verdict::error) {
     done(i, UnitSource::verified, std::move(found->report));
     return;
   }
-  const Result<FoundVerdict> stored = store_.add(names_of(i).part(part), found->report);
-  if (stored && stored->kind == FoundVerdict::Kind::conflict) {
+  const Result<verifier::FoundVerdict> stored = store_.add(names_of(i).part(part), found->report);
+  if (stored && stored->kind == verifier::FoundVerdict::Kind::conflict) {
     done(i, UnitSource::verified, conflict_report(files_[i], *stored));
     return;
   }
@@ -104,13 +104,13 @@ void CorpusRun::run_part_of_unit(std::size_t i, std::size_t p) {
   part_is_decided(i, p, std::move(found->report));
 }
 
-void CorpusRun::part_is_decided(std::size_t i, std::size_t p, Report report) {
+void CorpusRun::part_is_decided(std::size_t i, std::size_t p, verifier::Report report) {
   {
     const std::lock_guard<std::mutex> guard(lock_);
     State& state = states_[i];
     Part& part = state.parts[p];
     if (part.result != PartResult::open) return;
-    part.result = report.verdict == Verdict::match ? PartResult::match : PartResult::other;
+    part.result = report.verdict == verifier::Verdict::match ? PartResult::match : PartResult::other;
     part.report = std::move(report);
     ++decided_count_;
     if (part.result == PartResult::other && part.is_mine) {
@@ -131,12 +131,12 @@ void CorpusRun::finish_parts(std::size_t i) {
   for (std::size_t p = 0; p < state.parts.size(); ++p)
     if (!state.parts[p].is_mine && !is_part_done_by_store(i, p)) break;
   if (is_done(i)) return;
-  std::vector<const Report*> all, found;
+  std::vector<const verifier::Report*> all, found;
   for (const Part& part : state.parts) {
     all.push_back(part.result == PartResult::match ? &part.report : nullptr);
     if (all.back() != nullptr && part.is_mine) found.push_back(all.back());
   }
-  if (std::optional<Report> whole = join_parts(all)) {
+  if (std::optional<verifier::Report> whole = join_parts(all)) {
     store_joined(i, std::move(*whole));
     return;
   }
@@ -145,13 +145,13 @@ void CorpusRun::finish_parts(std::size_t i) {
     state.needs_whole = true;
     return;
   }
-  Report report = sum_of_parts(found);
+  verifier::Report report = sum_of_parts(found);
   report.notes.push_back(std::to_string(found.size()) + " of " + std::to_string(all.size()) +
                          " parts of the trace: the report of the corpus says whether the others are there");
   done(i, UnitSource::partial, std::move(report));
 }
 
-PluginVerification CorpusRun::verify_file(const std::string& file, const std::optional<TracePart>& part) {
+PluginVerification CorpusRun::verify_file(const std::string& file, const std::optional<verifier::TracePart>& part) {
   if (program_ != nullptr) return program_->verify(file);
   TraceVerification how;
   how.mode = options_.mode;
@@ -159,21 +159,21 @@ PluginVerification CorpusRun::verify_file(const std::string& file, const std::op
   // With claims a process beats while another one works: a process with threads should not fork.
   if (!needs_plugin(file) && !(has_plugins_ && options_.claims)) {
     Result<replay::TraceReader> reader = replay::TraceReader::open(file);
-    if (!reader) return {open_error_report(file, reader.error()), true};
+    if (!reader) return {verifier::open_error_report(file, reader.error()), true};
     return {verify_trace(*reader, file, how), true};
   }
-  SharedCount later_libraries;  // counted where the plug-in maps more while it runs
-  const auto work = [&](SharedCount& compared) {
+  verifier::SharedCount later_libraries;  // counted where the plug-in maps more while it runs
+  const auto work = [&](verifier::SharedCount& compared) {
     how.compared = &compared;
     Result<replay::TraceReader> reader = replay::TraceReader::open(file);
-    if (!reader) return open_error_report(file, reader.error());
-    Report report = verify_trace(*reader, file, how);
-    const auto libraries = mapped_libraries();
+    if (!reader) return verifier::open_error_report(file, reader.error());
+    verifier::Report report = verify_trace(*reader, file, how);
+    const auto libraries = verifier::mapped_libraries();
     if (!libraries || libraries_digest(*libraries) != build_.libraries) later_libraries.add_tick(0);
     return report;
   };
   PluginVerification found =
-      verifier::verify_by_plugin(file, mode_name(options_.mode), work, [&] { claims_.beat_when_due(); });
+      tool::verify_by_plugin(file, mode_name(options_.mode), work, [&] { claims_.beat_when_due(); });
   if (later_libraries.ticks() > 0) {
     found.is_verdict = false;
     found.report.notes.push_back("not stored: the plug-in mapped more libraries while it ran");
@@ -181,7 +181,8 @@ PluginVerification CorpusRun::verify_file(const std::string& file, const std::op
   return found;
 }
 
-std::optional<PluginVerification> CorpusRun::verify_unchanged(std::size_t i, const std::optional<TracePart>& part) {
+std::optional<PluginVerification> CorpusRun::verify_unchanged(std::size_t i,
+                                                              const std::optional<verifier::TracePart>& part) {
   const std::string& file = files_[i];
   const auto start = std::chrono::steady_clock::now();
   PluginVerification found = verify_file(file, part);
@@ -191,46 +192,47 @@ std::optional<PluginVerification> CorpusRun::verify_unchanged(std::size_t i, con
     units_[i].warnings.push_back(warning);
   }
   const std::optional<replay::FileFacts> after = replay::file_facts(file);
-  if (after && is_unchanged(states_[i].identity->facts, *after)) return found;
-  done(i, UnitSource::missing, open_error_report(file, changed_trace_error(file)));
+  if (after && verifier::is_unchanged(states_[i].identity->facts, *after)) return found;
+  done(i, UnitSource::missing, verifier::open_error_report(file, changed_trace_error(file)));
   return std::nullopt;
 }
 
 void CorpusRun::run_unit(std::size_t i, UnitSource source) {
   std::optional<PluginVerification> found = verify_unchanged(i, {});
   if (!found) return;
-  if (found->report.verdict == Verdict::error || !found->is_verdict) {
+  if (found->report.verdict == verifier::Verdict::error || !found->is_verdict) {
     done(i, source, std::move(found->report));
     return;
   }
   // A part that is no match is never forgotten: a whole that is one makes two verdicts that differ.
-  if (const std::optional<Report> red = red_part_of(i); red && found->report.verdict == Verdict::match) {
-    if (const Result<FoundVerdict> kept = store(i, *red); !kept) {
+  if (const std::optional<verifier::Report> red = red_part_of(i);
+      red && found->report.verdict == verifier::Verdict::match) {
+    if (const Result<verifier::FoundVerdict> kept = store(i, *red); !kept) {
       const std::lock_guard<std::mutex> guard(lock_);
       units_[i].problems.push_back(kept.error());
-      found->report.verdict = Verdict::not_reproducible;
+      found->report.verdict = verifier::Verdict::not_reproducible;
       found->report.reason = "the run from tick 0 matches, a run from a checkpoint did not: " + red->reason;
     }
   }
   store_report(i, source, std::move(found->report));
 }
 
-std::optional<Report> CorpusRun::red_part_of(std::size_t i) {
+std::optional<verifier::Report> CorpusRun::red_part_of(std::size_t i) {
   const std::lock_guard<std::mutex> guard(lock_);
   return states_[i].red_part;
 }
 
-void CorpusRun::store_joined(std::size_t i, Report report) {
-  const Result<FoundVerdict> stored = store(i, report);
+void CorpusRun::store_joined(std::size_t i, verifier::Report report) {
+  const Result<verifier::FoundVerdict> stored = store(i, report);
   const bool is_mine = !stored || stored->is_new || !options_.claims;
   finish_stored(i, is_mine ? UnitSource::verified : UnitSource::other_worker, std::move(report), stored);
 }
 
-void CorpusRun::store_report(std::size_t i, UnitSource source, Report report) {
-  const Result<FoundVerdict> stored = store(i, report);
+void CorpusRun::store_report(std::size_t i, UnitSource source, verifier::Report report) {
+  const Result<verifier::FoundVerdict> stored = store(i, report);
   // After a lease that expired, another worker may have done the same: the verdict counts for one of the two.
   const bool is_late = options_.claims && source == UnitSource::verified && !was_red(i) && stored &&
-                       stored->kind == FoundVerdict::Kind::verdict && !stored->is_new;
+                       stored->kind == verifier::FoundVerdict::Kind::verdict && !stored->is_new;
   finish_stored(i, is_late ? UnitSource::other_worker : source, std::move(report), stored);
 }
 
@@ -239,14 +241,15 @@ bool CorpusRun::was_red(std::size_t i) {
   return states_[i].was_red;
 }
 
-Result<FoundVerdict> CorpusRun::store(std::size_t i, const Report& report) {
+Result<verifier::FoundVerdict> CorpusRun::store(std::size_t i, const verifier::Report& report) {
   const Status kept = history_.add(names_of(i).history(), history_row(i, report));
-  if (!kept && !store_.folder().exists(spread_name(key_of(i)))) return kept.error();
+  if (!kept && !store_.folder().exists(verifier::spread_name(key_of(i)))) return kept.error();
   return store_.add(key_of(i), report);
 }
 
-void CorpusRun::finish_stored(std::size_t i, UnitSource source, Report report, const Result<FoundVerdict>& stored) {
-  if (stored && stored->kind == FoundVerdict::Kind::conflict) {
+void CorpusRun::finish_stored(std::size_t i, UnitSource source, verifier::Report report,
+                              const Result<verifier::FoundVerdict>& stored) {
+  if (stored && stored->kind == verifier::FoundVerdict::Kind::conflict) {
     done(i, source, conflict_report(files_[i], *stored));
     return;
   }
@@ -257,8 +260,8 @@ void CorpusRun::finish_stored(std::size_t i, UnitSource source, Report report, c
   done(i, source, std::move(report));
 }
 
-HistoryRow CorpusRun::history_row(std::size_t i, const Report& report) const {
-  HistoryRow row;
+verifier::HistoryRow CorpusRun::history_row(std::size_t i, const verifier::Report& report) const {
+  verifier::HistoryRow row;
   row.key = key_of(i);
   row.engine = build_.engine;
   row.libraries = build_.libraries;
@@ -277,4 +280,4 @@ HistoryRow CorpusRun::history_row(std::size_t i, const Report& report) const {
   return row;
 }
 
-}  // namespace ticktrue::verifier
+}  // namespace ticktrue::tool

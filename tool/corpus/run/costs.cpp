@@ -9,7 +9,7 @@
 #include <queue>
 #include <utility>
 
-namespace ticktrue::verifier {
+namespace ticktrue::tool {
 namespace {
 
 constexpr double cost_min_s = 0.001;            // to open a file and to store a verdict
@@ -18,9 +18,9 @@ constexpr std::size_t wanted_parts_max = 1024;  // more than a trace has segment
 
 }  // namespace
 
-std::optional<double> learned_cost(const History& history, const std::string& trace, std::string_view mode) {
+std::optional<double> learned_cost(const verifier::History& history, const std::string& trace, std::string_view mode) {
   std::optional<double> learned;
-  for (const HistoryRow& row : history.find(trace).rows)
+  for (const verifier::HistoryRow& row : history.find(trace).rows)
     if (row.mode == mode) learned = row.seconds;
   return learned;
 }
@@ -63,4 +63,4 @@ std::size_t wanted_parts(double cost_s, double part_s) {
                                                         : static_cast<std::size_t>(std::max(1.0, parts));
 }
 
-}  // namespace ticktrue::verifier
+}  // namespace ticktrue::tool

@@ -13,7 +13,7 @@
 
 #include "verifier/store/history.h"
 
-namespace ticktrue::verifier {
+namespace ticktrue::tool {
 
 struct TraceCost {
   std::optional<double> learned_s;  // of the last verification, by any build
@@ -21,7 +21,7 @@ struct TraceCost {
 };
 
 /// Of the last verification in this mode.
-std::optional<double> learned_cost(const History& history, const std::string& trace, std::string_view mode);
+std::optional<double> learned_cost(const verifier::History& history, const std::string& trace, std::string_view mode);
 
 /// Seconds of each. Where none was learned, bytes cost what the bytes of the others cost.
 std::vector<double> estimated_costs(const std::vector<TraceCost>& costs);
@@ -32,4 +32,4 @@ std::vector<std::uint32_t> share_out(const std::vector<double>& costs, std::uint
 /// Into how many parts a trace is cut, so that none costs more than `part_s`.
 std::size_t wanted_parts(double cost_s, double part_s);
 
-}  // namespace ticktrue::verifier
+}  // namespace ticktrue::tool

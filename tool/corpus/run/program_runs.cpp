@@ -7,24 +7,24 @@
 #include "base/count_text.h"
 #include "verifier/runs/escaped.h"
 
-namespace ticktrue::verifier {
+namespace ticktrue::tool {
 namespace {
 
 constexpr std::size_t named_file_count_max = 40;
 
 PluginVerification not_verified(const std::string& file, const Error& error) {
-  return {open_error_report(file, error), false};
+  return {verifier::open_error_report(file, error), false};
 }
 
 }  // namespace
 
 Result<std::unique_ptr<ProgramRuns>> ProgramRuns::make(const ProgramSubject& subject, std::function<bool()> stops) {
-  Result<RunFolder> folder = RunFolder::make("ticktrue-corpus", "");
+  Result<verifier::RunFolder> folder = verifier::RunFolder::make("ticktrue-corpus", "");
   if (!folder) return folder.error();
   return std::unique_ptr<ProgramRuns>(new ProgramRuns(subject, std::move(stops), *std::move(folder)));
 }
 
-ProgramRuns::ProgramRuns(const ProgramSubject& subject, std::function<bool()> stops, RunFolder folder)
+ProgramRuns::ProgramRuns(const ProgramSubject& subject, std::function<bool()> stops, verifier::RunFolder folder)
     : subject_(subject), stops_(std::move(stops)), folder_(std::move(folder)) {
   command_.words = subject.choice().words;
   command_.folder = folder_.path();
@@ -39,7 +39,7 @@ PluginVerification ProgramRuns::verify(const std::string& file) {
   const auto stopped = [&] { return not_verified(file, {ErrorCode::io, file + ": stopped", ""}); };
   if (stops()) return stopped();
   if (const Status status = subject_.check_unchanged(); !status) return not_verified(file, status.error());
-  ProgramVerdict verdict = verify_by_program(file, command_, "run-" + std::to_string(run_count_++));
+  verifier::ProgramVerdict verdict = verify_by_program(file, command_, "run-" + std::to_string(run_count_++));
   {
     const std::lock_guard<std::mutex> guard(lock_);
     escaped_.insert(escaped_.end(), verdict.escaped.begin(), verdict.escaped.end());
@@ -49,7 +49,7 @@ PluginVerification ProgramRuns::verify(const std::string& file) {
   return {std::move(verdict.report), verdict.is_whole && is_counted(verdict)};
 }
 
-bool ProgramRuns::is_counted(const ProgramVerdict& verdict) {
+bool ProgramRuns::is_counted(const verifier::ProgramVerdict& verdict) {
   if (!verdict.mapped) {
     warn(
         "verdicts are not stored: the session does not tell which libraries its process has; build the program with "
@@ -61,7 +61,7 @@ bool ProgramRuns::is_counted(const ProgramVerdict& verdict) {
   if (uncounted.empty()) return true;
   std::string options;
   for (std::size_t i = 0; i < uncounted.size() && i < named_file_count_max; ++i)
-    options += " --program-file " + shell_word(uncounted[i]);
+    options += " --program-file " + verifier::shell_word(uncounted[i]);
   warn("verdicts are not stored: the process of the session ran " + count_text(uncounted.size(), "file") +
        " that no verdict holds for, first " + uncounted.front() +
        "; name each, and all that a script reads as code:" + options);
@@ -78,4 +78,4 @@ std::string ProgramRuns::take_warning() {
   return std::exchange(warning_, "");
 }
 
-}  // namespace ticktrue::verifier
+}  // namespace ticktrue::tool

@@ -15,7 +15,7 @@
 #include "verifier/programs/verify_program.h"
 #include "verifier/runs/run_folder.h"
 
-namespace ticktrue::verifier {
+namespace ticktrue::tool {
 
 class ProgramRuns {
  public:
@@ -33,21 +33,21 @@ class ProgramRuns {
   std::string take_warning();
 
  private:
-  ProgramRuns(const ProgramSubject& subject, std::function<bool()> stops, RunFolder folder);
+  ProgramRuns(const ProgramSubject& subject, std::function<bool()> stops, verifier::RunFolder folder);
   bool stops() const { return stops_ && stops_(); }
   /// Whether all that the process had mapped counts; else says so.
-  bool is_counted(const ProgramVerdict& verdict);
+  bool is_counted(const verifier::ProgramVerdict& verdict);
   void warn(const std::string& what);
 
   const ProgramSubject& subject_;
   std::function<bool()> stops_;
-  RunFolder folder_;
-  ProgramCommand command_;
+  verifier::RunFolder folder_;
+  verifier::ProgramCommand command_;
   std::atomic<std::size_t> run_count_{0};
   std::mutex lock_;
-  std::vector<EscapedChild> escaped_;
+  std::vector<verifier::EscapedChild> escaped_;
   bool has_warned_ = false;
   std::string warning_;
 };
 
-}  // namespace ticktrue::verifier
+}  // namespace ticktrue::tool

@@ -6,7 +6,7 @@
 
 #include "tool/corpus/run/costs.h"
 
-namespace ticktrue::verifier {
+namespace ticktrue::tool {
 
 ShardPlan plan_shards(const std::vector<std::size_t>& parts, const std::vector<double>& costs,
                       std::uint32_t shard_count) {
@@ -62,4 +62,4 @@ std::string plan_key(const std::vector<PlannedFile>& files, std::uint32_t shard_
   return hex128(hash128(out.view()));
 }
 
-}  // namespace ticktrue::verifier
+}  // namespace ticktrue::tool

@@ -14,7 +14,7 @@
 #include "base/bytes.h"
 #include "base/hash128.h"
 
-namespace ticktrue::verifier {
+namespace ticktrue::tool {
 
 /// For each trace its parts (one: it is not cut), and for each part the number of its shard, from 1.
 struct ShardPlan {
@@ -36,4 +36,4 @@ struct PlannedFile {
 /// The name of the plan. `build`: what a verdict depends on beside the trace.
 std::string plan_key(const std::vector<PlannedFile>& files, std::uint32_t shard_count, const std::string& build);
 
-}  // namespace ticktrue::verifier
+}  // namespace ticktrue::tool

@@ -4,7 +4,7 @@
 
 #include <charconv>
 
-namespace ticktrue::verifier::soak {
+namespace ticktrue::soak {
 
 std::string variant_text(const Variant& variant) {
   const CheckInfo& info = check_table[static_cast<std::size_t>(variant.check)];
@@ -48,4 +48,4 @@ Result<CheckSelection> parse_checks(const std::vector<std::string>& words) {
   return selection;
 }
 
-}  // namespace ticktrue::verifier::soak
+}  // namespace ticktrue::soak

@@ -11,7 +11,7 @@
 
 #include "base/result.h"
 
-namespace ticktrue::verifier::soak {
+namespace ticktrue::soak {
 
 enum class CheckKind : std::uint8_t {
   finite,
@@ -84,4 +84,4 @@ struct Finding {
   bool is_beyond = false;   // the tick needs more than base/limits.h allows
 };
 
-}  // namespace ticktrue::verifier::soak
+}  // namespace ticktrue::soak

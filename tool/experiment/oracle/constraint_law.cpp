@@ -14,7 +14,7 @@
 #include "tool/expression/named_table.h"
 #include "tool/study/table.h"
 
-namespace ticktrue::verifier::soak {
+namespace ticktrue::soak {
 namespace {
 
 using engine::BodyReport;
@@ -136,9 +136,9 @@ struct Offence {
 struct TickView {
   const engine::Scene& scene;
   double dt;
-  Bodies bodies;
+  tool::Bodies bodies;
   std::vector<ContactReport> contacts;
-  NamedTable joints;
+  tool::NamedTable joints;
   std::map<std::uint32_t, std::uint32_t> index;  // [body id]
   std::vector<double> h;                         // [body], s
   std::vector<Extent> extents;                   // [body]
@@ -170,7 +170,7 @@ std::vector<double> substeps_of(const engine::Scene& scene, const StateView& sta
                                 const std::map<std::uint32_t, std::uint32_t>& index) {
   std::vector<double> h(index.size(), dt / scene.settings.substeps);
   if (scene.settings.substep_budget > 0) return h;
-  const NamedTable rows(state, "substeps");
+  const tool::NamedTable rows(state, "substeps");
   for (std::uint32_t i = 0; i < rows.row_count(); ++i)
     if (const auto found = index.find(rows.whole(i, "body")); found != index.end())
       h[found->second] = dt / rows.whole(i, "count");
@@ -179,7 +179,7 @@ std::vector<double> substeps_of(const engine::Scene& scene, const StateView& sta
 
 std::vector<std::uint8_t> find_asleep(const StateView& state, const std::map<std::uint32_t, std::uint32_t>& index) {
   std::vector<std::uint8_t> is_asleep(index.size());
-  const NamedTable rows(state, "sleep");
+  const tool::NamedTable rows(state, "sleep");
   for (std::uint32_t i = 0; i < rows.row_count(); ++i)
     if (const auto found = index.find(rows.whole(i, "body")); found != index.end())
       is_asleep[found->second] = rows.whole(i, "asleep") != 0 ? 1 : 0;
@@ -193,7 +193,7 @@ bool overlaps(const ContactReport& contact) {
 /// Joints that are off, and the speed at which joints pull each body.
 std::vector<Offence> joint_offences(const TickView& view, std::vector<double>& pulled) {
   std::vector<Offence> list;
-  const std::vector<double> gaps = joint_gaps(view.scene, view.bodies);
+  const std::vector<double> gaps = tool::joint_gaps(view.scene, view.bodies);
   const bool is_direct = view.scene.settings.joints == engine::JointSolverKind::direct;
   for (std::uint32_t i = 0; i < view.joints.row_count(); ++i) {
     const std::uint32_t number = view.joints.whole(i, "joint");
@@ -372,7 +372,7 @@ void find_driven(const TickView& view, std::vector<std::uint8_t>& is_crushed) {
   // Between impacts, bodies need not touch what drives them at the end of a tick.
   for (std::uint32_t wall = 0; wall < count; ++wall) {
     const BodyReport& body = view.bodies[wall];
-    if (body.type != BodyType::kinematic_body || (speed_of(body) == 0 && body.angular_velocity == 0)) continue;
+    if (body.type != BodyType::kinematic_body || (tool::speed_of(body) == 0 && body.angular_velocity == 0)) continue;
     for (std::uint32_t i = 0; i < count; ++i) {
       const BodyReport& other = view.bodies[i];
       if (!is_dynamic(other)) continue;
@@ -439,9 +439,9 @@ void run_clocks(const std::vector<Offence>& list, const double* allowed_s, doubl
 }
 
 std::string breach_text(const Breach& breach, const std::string& what) {
-  return what + " by " + short_number(breach.error) + " m at tick " + std::to_string(breach.tick) + ": expected " +
-         short_number(breach.tolerance) + " m and " + short_number(breach.yielded) + " m by the load after " +
-         short_number(breach.allowed_s) + " s";
+  return what + " by " + tool::short_number(breach.error) + " m at tick " + std::to_string(breach.tick) +
+         ": expected " + tool::short_number(breach.tolerance) + " m and " + tool::short_number(breach.yielded) +
+         " m by the load after " + tool::short_number(breach.allowed_s) + " s";
 }
 
 }  // namespace
@@ -465,7 +465,7 @@ void ConstraintLaw::look(const engine::Engine& engine, double dt) {
   // One pass moves what touches several bodies by half of a push at worst. Schemes that take half of a force take half
   // of a push that is no larger than a force.
   const bool takes_all = scene_.settings.integrator == engine::IntegratorKind::semi_implicit_euler;
-  TickView view{scene_, dt, engine.bodies(),       engine.contacts(), NamedTable(state, "joints"), {}, {},
+  TickView view{scene_, dt, engine.bodies(),       engine.contacts(), tool::NamedTable(state, "joints"), {}, {},
                 {},     {}, takes_all ? 0.5 : 0.25};
   for (std::uint32_t i = 0; i < view.bodies.size(); ++i) {
     const BodyReport& body = view.bodies[i];
@@ -494,4 +494,4 @@ void ConstraintLaw::look(const engine::Engine& engine, double dt) {
   run_clocks(joints, times.data() + contacts.size(), dt, engine.tick() - 1, joint_clocks_, gap_);
 }
 
-}  // namespace ticktrue::verifier::soak
+}  // namespace ticktrue::soak

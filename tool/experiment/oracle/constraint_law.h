@@ -12,7 +12,7 @@
 #include "engine/engine.h"
 #include "tool/study/measures.h"
 
-namespace ticktrue::verifier::soak {
+namespace ticktrue::soak {
 
 /// A contact or a joint that is further off than the law allows, for longer than the law allows.
 struct Breach {
@@ -67,4 +67,4 @@ class ConstraintLaw {
   std::optional<Breach> gap_;
 };
 
-}  // namespace ticktrue::verifier::soak
+}  // namespace ticktrue::soak

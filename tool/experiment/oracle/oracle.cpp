@@ -8,7 +8,7 @@
 #include "base/random.h"
 #include "tool/experiment/oracle/physics_checks.h"
 
-namespace ticktrue::verifier::soak {
+namespace ticktrue::soak {
 namespace {
 
 struct PlannedVariant {
@@ -189,4 +189,4 @@ std::optional<Finding> examine_variant(const SoakCase& soak_case, const Variant&
   return run_any(context, base, variant, options, tally);
 }
 
-}  // namespace ticktrue::verifier::soak
+}  // namespace ticktrue::soak

@@ -15,7 +15,7 @@
 #include "tool/experiment/oracle/runs.h"
 #include "tool/experiment/oracle/trace_checks.h"
 
-namespace ticktrue::verifier::soak {
+namespace ticktrue::soak {
 
 struct OracleOptions {
   EngineMaker make;
@@ -49,4 +49,4 @@ WorldResult examine(const SoakCase& soak_case, std::uint64_t seed, const OracleO
 /// Runs the base run and one variant of a world, and returns the finding of that variant. Used for shrinking.
 std::optional<Finding> examine_variant(const SoakCase& soak_case, const Variant& variant, const OracleOptions& options);
 
-}  // namespace ticktrue::verifier::soak
+}  // namespace ticktrue::soak

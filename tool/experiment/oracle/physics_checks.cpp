@@ -14,7 +14,7 @@
 #include "tool/study/measures.h"
 #include "tool/study/table.h"
 
-namespace ticktrue::verifier::soak {
+namespace ticktrue::soak {
 namespace {
 
 using engine::Body;
@@ -78,14 +78,15 @@ double substeps_max(const Scene& scene) {
 
 /// Largest velocity inside a tick, at least 1 m/s. The velocity that separates overlapping bodies is removed at the end
 /// of the substep, and is only visible in the displacement. Impulses on one body may also cancel each other.
-double speed_inside(const Scene& scene, const Bodies& before, const Bodies& after) {
+double speed_inside(const Scene& scene, const tool::Bodies& before, const tool::Bodies& after) {
   double way = 0;
   for (std::size_t i = 0; i < before.size() && i < after.size(); ++i)
     way = std::max(way, std::hypot(after[i].center.x - before[i].center.x, after[i].center.y - before[i].center.y));
-  return std::max({1.0, fastest(before), fastest(after), way * substeps_max(scene) / scene.settings.dt});
+  return std::max({1.0, tool::fastest(before), tool::fastest(after), way * substeps_max(scene) / scene.settings.dt});
 }
 
-double momentum_bound(const Scene& scene, const StateView& state, const Bodies& before, const Bodies& after) {
+double momentum_bound(const Scene& scene, const StateView& state, const tool::Bodies& before,
+                      const tool::Bodies& after) {
   const double speed = speed_inside(scene, before, after);
   const double passes =
       scene.settings.solver == engine::SolverKind::pgs ? scene.settings.iterations : 4 * substeps_max(scene);
@@ -145,7 +146,7 @@ std::optional<Finding> check_momentum(const RunContext& context, const BaseRun& 
   engine::Engine& engine = **made;
   const Variant variant{CheckKind::momentum};
   const CaseInputs no_inputs(*space);
-  Bodies before = engine.bodies();
+  tool::Bodies before = engine.bodies();
   // The solver `impulse` treats a heavy body as static, so a body that hits the heavy body loses momentum.
   const bool is_heavy = std::any_of(before.begin(), before.end(),
                                     [](const BodyReport& body) { return body.mass >= thesis_static_mass_kg; });
@@ -153,16 +154,16 @@ std::optional<Finding> check_momentum(const RunContext& context, const BaseRun& 
   for (std::uint64_t tick = 0; tick < base.tick_count; ++tick) {
     if (auto failed = step_tick(engine, no_inputs.at(tick), tick, variant)) return failed;
     if (find_non_finite(engine.state())) return std::nullopt;  // check `finite` examines another world
-    Bodies after = engine.bodies();
-    const Point p = momentum_of(before), q = momentum_of(after);
+    tool::Bodies after = engine.bodies();
+    const Point p = tool::momentum_of(before), q = tool::momentum_of(after);
     const double change = std::max(std::abs(q.x - p.x), std::abs(q.y - p.y));
     const double bound = momentum_bound(space->scene, engine.state(), before, after);
     if (!(change <= bound)) {
       Finding finding;
       finding.variant = variant;
       finding.tick = tick;
-      finding.what = "momentum in free space changes by " + full_number(change) + " N s in a tick: expected at most " +
-                     full_number(bound);
+      finding.what = "momentum in free space changes by " + tool::full_number(change) +
+                     " N s in a tick: expected at most " + tool::full_number(bound);
       return finding;
     }
     before = std::move(after);
@@ -193,14 +194,15 @@ PhysicsCounts count_physics(const RunContext& context, const BaseRun& base) {
     if (step_tick(engine, input, tick, {})) break;
     if (law) law->look(engine, input.dt);
     if (tick % sample_ticks != sample_ticks - 1) continue;
-    const Bodies bodies = engine.bodies();
-    const double energy = energy_of(scene, bodies);
-    kinetic = std::max(kinetic, kinetic_energy(bodies));
+    const tool::Bodies bodies = engine.bodies();
+    const double energy = tool::energy_of(scene, bodies);
+    kinetic = std::max(kinetic, tool::kinetic_energy(bodies));
     lowest = std::min(lowest, energy);
     if (counts.broken[0] || !is_closed || !(energy > lowest + energy_rise_max * kinetic)) continue;
     counts.broken[0] = true;
-    counts.texts.push_back("energy rises by " + short_number(energy - lowest) + " J until tick " +
-                           std::to_string(tick) + ": expected at most " + short_number(energy_rise_max * kinetic));
+    counts.texts.push_back("energy rises by " + tool::short_number(energy - lowest) + " J until tick " +
+                           std::to_string(tick) + ": expected at most " +
+                           tool::short_number(energy_rise_max * kinetic));
   }
   if (!law) return counts;
   counts.broken[1] = law->gap().has_value();
@@ -210,4 +212,4 @@ PhysicsCounts count_physics(const RunContext& context, const BaseRun& base) {
   return counts;
 }
 
-}  // namespace ticktrue::verifier::soak
+}  // namespace ticktrue::soak

@@ -10,7 +10,7 @@
 
 #include "tool/experiment/oracle/runs.h"
 
-namespace ticktrue::verifier::soak {
+namespace ticktrue::soak {
 
 /// The dynamic bodies of a world and the joints between them, without gravity, forces, inputs, damping, sleep and
 /// bounds. Nothing outside acts on the bodies. Absent if fewer than two bodies are left, or if the scene is invalid.
@@ -33,4 +33,4 @@ struct PhysicsCounts {
 };
 PhysicsCounts count_physics(const RunContext& context, const BaseRun& base);
 
-}  // namespace ticktrue::verifier::soak
+}  // namespace ticktrue::soak

@@ -14,7 +14,7 @@
 #include "base/state/non_finite.h"
 #include "verifier/locate/locate.h"
 
-namespace ticktrue::verifier::soak {
+namespace ticktrue::soak {
 namespace {
 
 using engine::CacheReport;
@@ -354,13 +354,13 @@ std::string difference_text(const Engine& engine, const StateView& expected, con
   Bytes image_expected, image_got;
   encode_image(expected, image_expected);
   encode_image(got, image_got);
-  Divergence divergence;
+  verifier::Divergence divergence;
   const Status located = locate_lanes(
       *expected.schema, image_expected, image_got,
       [&](std::size_t table, std::size_t row) { return engine.row_name(table, row); }, 1, divergence);
   if (!located) return located.error().message;
   if (divergence.rows.empty()) return "hashes differ, and no lane does";
-  const LaneReport& lane = divergence.rows.front();
+  const verifier::LaneReport& lane = divergence.rows.front();
   const auto text = [&](const std::optional<std::uint64_t>& bits) {
     return bits ? lane_text(lane.type, *bits) + " (" + lane_hex(lane.type, *bits) + ")" : std::string("no such row");
   };
@@ -377,4 +377,4 @@ std::uint64_t hash_of_bodies(const StateView& state) {
   return hash64(ByteView(state.tables[*table].data, size));
 }
 
-}  // namespace ticktrue::verifier::soak
+}  // namespace ticktrue::soak

@@ -15,7 +15,7 @@
 #include "tool/experiment/oracle/checks.h"
 #include "tool/experiment/soak_case.h"
 
-namespace ticktrue::verifier::soak {
+namespace ticktrue::soak {
 
 /// Data that all runs of one world share. Must outlive the runs.
 struct RunContext {
@@ -76,4 +76,4 @@ std::uint64_t work_of_tick(const engine::Scene& scene, const StateView& state);
 /// Hash of the rows of the table of bodies.
 std::uint64_t hash_of_bodies(const StateView& state);
 
-}  // namespace ticktrue::verifier::soak
+}  // namespace ticktrue::soak

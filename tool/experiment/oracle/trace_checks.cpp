@@ -13,13 +13,13 @@
 #include "verifier/runs/child.h"
 #include "verifier/verify/verify.h"
 
-namespace ticktrue::verifier::soak {
+namespace ticktrue::soak {
 namespace {
 
 /// The choices drawn from the number of a variant.
 struct TraceDraw {
-  TraceChoices choices;
-  VerifyMode mode = VerifyMode::replay;
+  tool::TraceChoices choices;
+  verifier::VerifyMode mode = verifier::VerifyMode::replay;
   unsigned thread_count = 1;
   std::uint64_t from = 0;
   bool to_end = false;
@@ -32,22 +32,22 @@ TraceDraw draw_of(const Variant& variant, std::uint64_t tick_count) {
   const std::uint64_t interval_max = std::max<std::uint64_t>(2, std::min<std::uint64_t>(tick_count / 2, 40));
   draw.choices.checkpoint_interval = static_cast<std::uint32_t>(1 + random.below(interval_max));
   if (variant.check == CheckKind::process) {
-    draw.mode = VerifyMode::restore;
+    draw.mode = verifier::VerifyMode::restore;
     draw.thread_count = 1 + static_cast<unsigned>(random.below(2));
     return draw;
   }
   const std::uint64_t kind = random.below(8);
-  if (kind == 7) draw.mode = VerifyMode::threads;
-  if (kind == 6) draw.mode = VerifyMode::twice;
-  if (kind >= 3 && kind < 6) draw.mode = VerifyMode::restore;
+  if (kind == 7) draw.mode = verifier::VerifyMode::threads;
+  if (kind == 6) draw.mode = verifier::VerifyMode::twice;
+  if (kind >= 3 && kind < 6) draw.mode = verifier::VerifyMode::restore;
   if (kind < 6) draw.thread_count = 1 + static_cast<unsigned>(random.below(2));
   draw.to_end = kind == 3;
   if (kind == 0) draw.from = random.below(std::max<std::uint64_t>(1, tick_count));
   return draw;
 }
 
-const VerifyModeInfo& mode_info(VerifyMode mode) {
-  return verify_modes[static_cast<std::size_t>(mode)];
+const verifier::VerifyModeInfo& mode_info(verifier::VerifyMode mode) {
+  return verifier::verify_modes[static_cast<std::size_t>(mode)];
 }
 
 std::string options_text(const TraceDraw& draw) {
@@ -88,7 +88,7 @@ class TraceRun {
     options.writer.overwrite = true;
     options.writer.sync = false;
     const auto recorded = replay::record(**made, source, files_.path, make_trace_setup(**made, draw_.choices),
-                                         make_build_facts(), options);
+                                         tool::make_build_facts(), options);
     if (!recorded) return failure(0, "record: " + recorded.error().message);
     if (recorded->tick_count != base_.tick_count || recorded->root_hash != base_.hashes.back())
       return failure(recorded->tick_count, "record: another last state than the base run");
@@ -115,7 +115,7 @@ class TraceRun {
     auto reader = replay::TraceReader::open(files_.path);
     if (!reader) return failure(0, reader.error().message);
     const SimulationInfo info = simulation_info();
-    VerifyOptions options;
+    verifier::VerifyOptions options;
     options.simulation = &info;
     options.mode = draw_.mode;
     options.from = draw_.from;
@@ -123,31 +123,31 @@ class TraceRun {
     options.row_count_max = 1;
     options.spread_ticks = 0;
     options.thread_count = draw_.thread_count;
-    options.reopen = [this]() -> std::unique_ptr<TraceSource> {
+    options.reopen = [this]() -> std::unique_ptr<verifier::TraceSource> {
       auto again = replay::TraceReader::open(files_.path);
       if (!again) return nullptr;
-      return std::make_unique<OwnedReaderSource>(*std::move(again));
+      return std::make_unique<verifier::OwnedReaderSource>(*std::move(again));
     };
-    const Report report = verify(*reader, options);
+    const verifier::Report report = verify(*reader, options);
     const bool is_whole = report.ticks_compared == base_.tick_count - draw_.from;
-    if (report.verdict == Verdict::match && is_whole) return std::nullopt;
+    if (report.verdict == verifier::Verdict::match && is_whole) return std::nullopt;
     std::string what = "verify " + options_text(draw_) + ", interval " +
                        std::to_string(draw_.choices.checkpoint_interval) + ": " +
                        std::string(verdict_info(report.verdict).name) + ", " + std::to_string(report.ticks_compared) +
                        " of " + std::to_string(base_.tick_count) + " ticks compared";
     if (!report.reason.empty()) what += ": " + report.reason;
     if (report.divergence && !report.divergence->rows.empty()) {
-      const LaneReport& row = report.divergence->rows.front();
+      const verifier::LaneReport& row = report.divergence->rows.front();
       what += "; table " + row.table + ", column " + row.column + ", row " + std::to_string(row.row);
     }
     return failure(report.divergence ? report.divergence->tick : 0, what);
   }
 
   std::optional<Finding> verify_elsewhere() {
-    ChildCommand command;
+    verifier::ChildCommand command;
     command.argv = {files_.tool, "verify", files_.path, "--mode", "restore", "-j", std::to_string(draw_.thread_count)};
     command.limits.time_s = 300;
-    const ChildResult result = run_child(command);
+    const verifier::ChildResult result = run_child(command);
     if (const std::string failed = child_failure(result, command.limits); !failed.empty())
       return failure(0, "verify in a fresh process " + failed);
     const int status = result.end.exit_status;
@@ -177,4 +177,4 @@ std::string trace_variant_text(const Variant& variant, std::uint64_t tick_count)
          std::to_string(draw.choices.checkpoint_interval) + ", verify " + options_text(draw);
 }
 
-}  // namespace ticktrue::verifier::soak
+}  // namespace ticktrue::soak

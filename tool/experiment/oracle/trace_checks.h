@@ -7,7 +7,7 @@
 
 #include "tool/experiment/oracle/runs.h"
 
-namespace ticktrue::verifier::soak {
+namespace ticktrue::soak {
 
 struct TraceFiles {
   std::string path;  // path of the trace, which is written and removed again
@@ -22,4 +22,4 @@ std::optional<Finding> run_trace_variant(const RunContext& context, const BaseRu
 /// The request to verify in a variant of check trace, as command-line options.
 std::string trace_variant_text(const Variant& variant, std::uint64_t tick_count);
 
-}  // namespace ticktrue::verifier::soak
+}  // namespace ticktrue::soak

@@ -79,7 +79,7 @@ class ForeignReducer {
       for (const std::size_t i : some) fewer.ticks[with_inputs[i]].inputs = before.ticks[with_inputs[i]].inputs;
       return fewer;
     };
-    take(with(verifier::soak::ddmin(with_inputs.size(), [&](const Indices& some) { return fails_alike(with(some)); })));
+    take(with(soak::ddmin(with_inputs.size(), [&](const Indices& some) { return fails_alike(with(some)); })));
   }
 
   void leave_out_ticks() {
@@ -90,8 +90,7 @@ class ForeignReducer {
       for (const std::size_t i : some) fewer.ticks.push_back(before.ticks[i]);
       return fewer;
     };
-    take(
-        with(verifier::soak::ddmin(before.ticks.size(), [&](const Indices& some) { return fails_alike(with(some)); })));
+    take(with(soak::ddmin(before.ticks.size(), [&](const Indices& some) { return fails_alike(with(some)); })));
   }
 
   void take(ForeignSession found) {
@@ -156,7 +155,7 @@ Status record_foreign(const ForeignSession& session, const SimulationInfo& recor
   replay::RecordOptions options;
   options.writer.overwrite = true;
   options.writer.sync = false;
-  const auto recorded = replay::record(**made, source, path, setup, verifier::make_build_facts(), options);
+  const auto recorded = replay::record(**made, source, path, setup, tool::make_build_facts(), options);
   if (!recorded) return recorded.error();
   return {};
 }
@@ -174,7 +173,7 @@ std::string foreign_inputs_text(const ForeignSession& session) {
       text += digits[byte & 15];
     }
     text += "\"";
-    if (at.dt != dt) text += ",\"dt\":" + verifier::full_number(at.dt);
+    if (at.dt != dt) text += ",\"dt\":" + tool::full_number(at.dt);
     text += "}\n";
     dt = at.dt;
   }

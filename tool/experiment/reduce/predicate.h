@@ -16,8 +16,8 @@
 
 namespace ticktrue::reduce {
 
-using verifier::soak::EngineMaker;
-using verifier::soak::SoakCase;
+using soak::EngineMaker;
+using soak::SoakCase;
 
 class Predicate {
  public:
@@ -39,12 +39,12 @@ class Predicate {
 /// A value of the state is NaN or infinite at the end of a tick.
 std::unique_ptr<Predicate> not_finite(const EngineMaker& make);
 /// The expression is 0 or NaN at the end of a tick, but holds before the first tick.
-std::unique_ptr<Predicate> broken_expectation(verifier::Expression expression, const EngineMaker& make);
+std::unique_ptr<Predicate> broken_expectation(tool::Expression expression, const EngineMaker& make);
 /// A tick with caches differs from the same tick without caches.
 std::unique_ptr<Predicate> stale_cache(const EngineMaker& make);
 /// A check of the soak has a finding. `word`: a name, or a variant such as "restore=57". A fixed seed draws the
 /// variants. Errors: usage.
-Result<std::unique_ptr<Predicate>> oracle_check(const std::string& word, const verifier::soak::OracleOptions& options);
+Result<std::unique_ptr<Predicate>> oracle_check(const std::string& word, const soak::OracleOptions& options);
 /// The cross-check with Box2D has a criterion that differs. Inputs have no effect here.
 std::unique_ptr<Predicate> crosscheck_differs();
 

@@ -19,8 +19,8 @@ namespace {
 
 using engine::Engine;
 using engine::Point;
-using verifier::soak::CaseInputs;
-using verifier::soak::ddmin;
+using soak::CaseInputs;
+using soak::ddmin;
 using Indices = std::vector<std::size_t>;
 
 constexpr int round_count_max = 4;
@@ -141,7 +141,7 @@ class Reducer {
 
   SoakCase with_only(Indices bodies) const {
     std::sort(bodies.begin(), bodies.end());
-    SoakCase some = verifier::soak::with_bodies(session_, bodies);
+    SoakCase some = soak::with_bodies(session_, bodies);
     if (!predicate_.is_of_outcome()) some.tick_count += spare_ticks;
     return some;
   }
@@ -165,13 +165,13 @@ class Reducer {
       return bodies;
     };
     const Indices left = ddmin(groups.size(), [&](const Indices& some) {
-      return same_failure(verifier::soak::with_bodies(before, bodies_of(some))).has_value();
+      return same_failure(soak::with_bodies(before, bodies_of(some))).has_value();
     });
-    if (left.size() < groups.size()) take_if_same(verifier::soak::with_bodies(before, bodies_of(left)));
+    if (left.size() < groups.size()) take_if_same(soak::with_bodies(before, bodies_of(left)));
   }
 
   void shrink_rest() {
-    verifier::soak::ShrinkOptions options;
+    soak::ShrinkOptions options;
     options.test_count_max = std::numeric_limits<std::size_t>::max();
     options.is_over = [&] { return is_over(); };
     options.keeps_method = !options_.any_method;

@@ -88,15 +88,15 @@ class ResultWriter {
     const std::string trace = folder_.path + "/trace.ttr";
     const auto made = options_.make(result_.smallest.scene, {});
     if (!made) return made.error();
-    verifier::TraceChoices choices;
+    tool::TraceChoices choices;
     choices.detail = replay::Detail::full;
     choices.full_first = choices.full_last = result_.last.tick;
-    const verifier::soak::CaseInputs inputs(result_.smallest);
-    verifier::soak::CaseSource source(inputs, result_.smallest.tick_count);
+    const soak::CaseInputs inputs(result_.smallest);
+    soak::CaseSource source(inputs, result_.smallest.tick_count);
     replay::RecordOptions options;
     options.writer.overwrite = true;
-    const auto recorded = replay::record(**made, source, trace, verifier::make_trace_setup(**made, choices),
-                                         verifier::make_build_facts(), options);
+    const auto recorded = replay::record(**made, source, trace, tool::make_trace_setup(**made, choices),
+                                         tool::make_build_facts(), options);
     folder_.has_trace = recorded.has_value();
     std::error_code ignored;
     if (!recorded) fs::remove(trace, ignored);  // the first tick fails or is not finite

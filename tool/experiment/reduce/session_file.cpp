@@ -11,14 +11,14 @@
 
 namespace ticktrue::reduce {
 
-using verifier::soak::SoakCase;
+using soak::SoakCase;
 
 Result<SoakCase> read_session(const engine::Scene& scene, const std::string& inputs_path,
                               std::optional<std::uint64_t> tick_count) {
   SoakCase session{scene, {}, 0};
   std::optional<std::uint64_t> end;
   if (!inputs_path.empty()) {
-    Result<verifier::LineReader> lines = verifier::LineReader::open(inputs_path);
+    Result<tool::LineReader> lines = tool::LineReader::open(inputs_path);
     if (!lines) return lines.error();
     std::uint32_t sequence = 0;
     for (;;) {
@@ -46,7 +46,7 @@ Result<SoakCase> read_trace_session(const std::string& path, std::optional<std::
   Result<replay::TraceReader> reader = replay::TraceReader::open(path);
   if (!reader) return reader.error();
   if (const Status whole = reader->check_from_start(); !whole) return whole.error();
-  Result<engine::Scene> scene = verifier::scene_of(reader->setup());
+  Result<engine::Scene> scene = tool::scene_of(reader->setup());
   if (!scene) return Error{scene.error().code, path + ": " + scene.error().message, scene.error().hint};
   SoakCase session{*std::move(scene), {}, 0};
   std::vector<engine::Input> of_tick;

@@ -15,7 +15,7 @@ using engine::BodyType;
 using engine::Input;
 using engine::InputKind;
 using engine::Scene;
-using verifier::soak::SoakCase;
+using soak::SoakCase;
 
 class LaterStart {
  public:

@@ -13,6 +13,6 @@ namespace ticktrue::reduce {
 /// velocities, and the gravity and motors that inputs set. Not kept: impulses, sleep, and the body that a pointer
 /// holds. Earlier inputs are removed. Ids stay valid if only `spawn` creates bodies. Requires: the engine has run the
 /// first ticks of the session.
-verifier::soak::SoakCase begin_at_state(const verifier::soak::SoakCase& session, const engine::Engine& engine);
+soak::SoakCase begin_at_state(const soak::SoakCase& session, const engine::Engine& engine);
 
 }  // namespace ticktrue::reduce

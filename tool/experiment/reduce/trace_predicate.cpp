@@ -20,11 +20,11 @@ class DiffersElsewhere : public Predicate {
   std::string test_line() const override { return program_.test_line; }
 
   Answer examine(const SoakCase& session) override {
-    verifier::TraceChoices whole;
+    tool::TraceChoices whole;
     whole.detail = replay::Detail::full;
     whole.full_last = session.tick_count;
     if (session.tick_count * session.scene.bodies.size() <= body_ticks_max) return judge(session, whole);
-    verifier::TraceChoices names;
+    tool::TraceChoices names;
     names.detail = replay::Detail::cells;
     Answer answer = judge(session, names);
     if (!answer || !*answer) return answer;
@@ -35,18 +35,18 @@ class DiffersElsewhere : public Predicate {
   }
 
  private:
-  Answer judge(const SoakCase& session, const verifier::TraceChoices& choices) const {
+  Answer judge(const SoakCase& session, const tool::TraceChoices& choices) const {
     const std::string trace = program_.folder + "/session.ttr";
     const auto made = make_(session.scene, {});
     if (!made) return made.error();
-    const verifier::soak::CaseInputs inputs(session);
-    verifier::soak::CaseSource source(inputs, session.tick_count);
+    const soak::CaseInputs inputs(session);
+    soak::CaseSource source(inputs, session.tick_count);
     replay::RecordOptions options;
     options.writer.overwrite = true;
     options.writer.compress = false;
     options.writer.sync = false;
-    const auto recorded = replay::record(**made, source, trace, verifier::make_trace_setup(**made, choices),
-                                         verifier::make_build_facts(), options);
+    const auto recorded = replay::record(**made, source, trace, tool::make_trace_setup(**made, choices),
+                                         tool::make_build_facts(), options);
     if (!recorded) return recorded.error();
     Answer answer = program_.judge(trace);
     if (answer && *answer) add_bodies_of_joint(session, **answer);

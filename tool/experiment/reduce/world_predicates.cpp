@@ -11,7 +11,7 @@ namespace ticktrue::reduce {
 namespace {
 
 using engine::Engine;
-using verifier::soak::CaseInputs;
+using soak::CaseInputs;
 
 using Answer = Result<std::optional<Failure>>;
 
@@ -95,7 +95,7 @@ class NotFinite : public Predicate {
 
 class BrokenExpectation : public Predicate {
  public:
-  BrokenExpectation(verifier::Expression expression, const EngineMaker& make)
+  BrokenExpectation(tool::Expression expression, const EngineMaker& make)
       : expression_(std::move(expression)), make_(make) {}
   std::vector<std::string> words() const override { return {"--expect", expression_.text()}; }
 
@@ -127,13 +127,13 @@ class BrokenExpectation : public Predicate {
     return value != 0 && !std::isnan(value);
   }
   std::vector<std::uint32_t> culprits(const Engine& engine) const {
-    verifier::WorldMeasures measures(engine);
-    for (const verifier::WorldValue value : expression_.values())
+    tool::WorldMeasures measures(engine);
+    for (const tool::WorldValue value : expression_.values())
       if (std::vector<std::uint32_t> bodies = measures.bodies_of(value); !bodies.empty()) return bodies;
     return {};
   }
 
-  verifier::Expression expression_;
+  tool::Expression expression_;
   EngineMaker make_;
 };
 
@@ -168,23 +168,22 @@ class StaleCache : public Predicate {
 
 class OracleCheck : public Predicate {
  public:
-  OracleCheck(std::string word, verifier::soak::OracleOptions options)
-      : word_(std::move(word)), options_(std::move(options)) {}
+  OracleCheck(std::string word, soak::OracleOptions options) : word_(std::move(word)), options_(std::move(options)) {}
   std::vector<std::string> words() const override { return {"--check", word_}; }
 
   Answer examine(const SoakCase& session) override {
     constexpr std::uint64_t seed = 1;
-    std::optional<verifier::soak::Finding> found;
+    std::optional<soak::Finding> found;
     if (!options_.checks.only.empty()) {
       found = examine_variant(session, options_.checks.only.front(), options_);
     } else {
-      const verifier::soak::WorldResult result = verifier::soak::examine(session, seed, options_);
+      const soak::WorldResult result = soak::examine(session, seed, options_);
       if (!result.findings.empty()) found = result.findings.front();
     }
     if (!found) return std::optional<Failure>();
     if (found->is_refused) return Error{ErrorCode::invalid_scene, found->what, ""};
     Failure failure;
-    failure.kind = std::string(verifier::soak::check_table[static_cast<std::size_t>(found->variant.check)].name);
+    failure.kind = std::string(soak::check_table[static_cast<std::size_t>(found->variant.check)].name);
     failure.tick = found->tick;
     failure.what = variant_text(found->variant) + ": " + found->what;
     read_place(found->what, failure);
@@ -193,7 +192,7 @@ class OracleCheck : public Predicate {
 
  private:
   std::string word_;
-  verifier::soak::OracleOptions options_;
+  soak::OracleOptions options_;
 };
 
 class CrosscheckDiffers : public Predicate {
@@ -202,12 +201,12 @@ class CrosscheckDiffers : public Predicate {
   bool is_of_outcome() const override { return true; }
 
   Answer examine(const SoakCase& session) override {
-    verifier::CrosscheckOptions options;
+    tool::CrosscheckOptions options;
     options.seconds = static_cast<double>(session.tick_count) * session.scene.settings.dt;
-    const auto report = verifier::crosscheck(session.scene, options);
+    const auto report = tool::crosscheck(session.scene, options);
     if (!report) return report.error();
-    for (const verifier::CriterionResult& row : report->rows) {
-      if (row.verdict != verifier::Agreement::differ) continue;
+    for (const tool::CriterionResult& row : report->rows) {
+      if (row.verdict != tool::Agreement::differ) continue;
       Failure failure;
       failure.kind = "crosscheck";
       failure.tick = session.tick_count - 1;
@@ -224,7 +223,7 @@ class CrosscheckDiffers : public Predicate {
 std::unique_ptr<Predicate> not_finite(const EngineMaker& make) {
   return std::make_unique<NotFinite>(make);
 }
-std::unique_ptr<Predicate> broken_expectation(verifier::Expression expression, const EngineMaker& make) {
+std::unique_ptr<Predicate> broken_expectation(tool::Expression expression, const EngineMaker& make) {
   return std::make_unique<BrokenExpectation>(std::move(expression), make);
 }
 std::unique_ptr<Predicate> stale_cache(const EngineMaker& make) {
@@ -234,10 +233,10 @@ std::unique_ptr<Predicate> crosscheck_differs() {
   return std::make_unique<CrosscheckDiffers>();
 }
 
-Result<std::unique_ptr<Predicate>> oracle_check(const std::string& word, const verifier::soak::OracleOptions& options) {
-  const auto checks = verifier::soak::parse_checks({word});
+Result<std::unique_ptr<Predicate>> oracle_check(const std::string& word, const soak::OracleOptions& options) {
+  const auto checks = soak::parse_checks({word});
   if (!checks) return checks.error();
-  verifier::soak::OracleOptions with = options;
+  soak::OracleOptions with = options;
   with.checks = *checks;
   return std::unique_ptr<Predicate>(std::make_unique<OracleCheck>(word, std::move(with)));
 }

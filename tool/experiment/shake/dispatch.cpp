@@ -117,7 +117,7 @@ DispatchCause narrow_dispatch(Launcher& launcher, const Conditions& guilty,
         for (const std::size_t index : indices) some.push_back(words[index]);
         return some;
       };
-      cause.features = chosen(verifier::soak::ddmin(words.size(), [&](const std::vector<std::size_t>& indices) {
+      cause.features = chosen(soak::ddmin(words.size(), [&](const std::vector<std::size_t>& indices) {
         return !indices.empty() && is_other(with(variable, joined(chosen(indices))));
       }));
     }

@@ -130,7 +130,7 @@ Cause narrow_calls(Narrower& runs, const Perturbation& perturbation, const Outco
     ranges = {{dropped, end}};
     needed = end - dropped;
     if (needed <= shim::call_range_count_max / 2 && !runs.has_ended_early()) {
-      const auto kept = verifier::soak::ddmin(static_cast<std::size_t>(needed), [&](const auto& indices) {
+      const auto kept = soak::ddmin(static_cast<std::size_t>(needed), [&](const auto& indices) {
         return !indices.empty() && runs.is_other(ranges_of(indices, dropped));
       });
       if (!kept.empty()) {

@@ -333,7 +333,7 @@ class Shaking {
         members.push_back(&row);
     const unsigned variant = *moved_together_;
     std::optional<Error> error;
-    const auto kept = verifier::soak::ddmin(members.size(), [&](const std::vector<std::size_t>& indices) {
+    const auto kept = soak::ddmin(members.size(), [&](const std::vector<std::size_t>& indices) {
       if (error || indices.empty() || !goes_on()) return false;
       Conditions conditions;
       for (const std::size_t i : indices)

@@ -6,7 +6,7 @@
 
 #include "engine/builtin_scenes/builtin_scenes.h"
 
-namespace ticktrue::verifier::soak {
+namespace ticktrue::soak {
 namespace {
 
 struct CountedScene {
@@ -94,4 +94,4 @@ Status compare_cache_counts(const engine::CacheReport& expected, const engine::C
   return {};
 }
 
-}  // namespace ticktrue::verifier::soak
+}  // namespace ticktrue::soak

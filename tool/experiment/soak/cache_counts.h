@@ -7,7 +7,7 @@
 #include "base/result.h"
 #include "engine/engine.h"
 
-namespace ticktrue::verifier::soak {
+namespace ticktrue::soak {
 
 /// The counts are sums over the worlds of a file of hashes and over a few built-in scenes, on one thread. The counts
 /// show a change in how often caches are rebuilt, even if no bit of a world differs.
@@ -23,4 +23,4 @@ Result<engine::CacheReport> parse_cache_counts(const std::string& text, const st
 Status compare_cache_counts(const engine::CacheReport& expected, const engine::CacheReport& found,
                             const std::string& place);
 
-}  // namespace ticktrue::verifier::soak
+}  // namespace ticktrue::soak

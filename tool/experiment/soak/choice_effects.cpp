@@ -6,7 +6,7 @@
 #include <array>
 #include <string_view>
 
-namespace ticktrue::verifier::soak {
+namespace ticktrue::soak {
 namespace {
 
 constexpr std::size_t measured_per_world = 10;
@@ -77,4 +77,4 @@ bool has_effect(const BaseRun& base, const SoakCase& without, const EngineMaker&
   return false;
 }
 
-}  // namespace ticktrue::verifier::soak
+}  // namespace ticktrue::soak

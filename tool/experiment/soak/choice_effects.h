@@ -8,7 +8,7 @@
 
 #include "tool/experiment/soak/soak.h"
 
-namespace ticktrue::verifier::soak {
+namespace ticktrue::soak {
 
 /// Choices with an effect in fewer than effect_count_wanted worlds, in ascending order of that count.
 std::vector<std::string> choices_to_measure(const WorldSource& source,
@@ -25,4 +25,4 @@ void count_choices(const WorldSource& source, const WorldSource::World& world, s
 /// ends at a difference, or at twice the estimated work of the base run.
 bool has_effect(const BaseRun& base, const SoakCase& without, const EngineMaker& make);
 
-}  // namespace ticktrue::verifier::soak
+}  // namespace ticktrue::soak

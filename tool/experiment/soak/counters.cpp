@@ -4,7 +4,7 @@
 
 #include <nlohmann/json.hpp>
 
-namespace ticktrue::verifier::soak {
+namespace ticktrue::soak {
 namespace {
 
 using Json = nlohmann::ordered_json;
@@ -125,4 +125,4 @@ Result<SoakCounters> parse_progress(const std::string& text, const SoakIdentity&
   }
 }
 
-}  // namespace ticktrue::verifier::soak
+}  // namespace ticktrue::soak

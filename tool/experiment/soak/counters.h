@@ -14,7 +14,7 @@
 #include "tool/experiment/oracle/physics_checks.h"
 #include "tool/experiment/oracle/runs.h"
 
-namespace ticktrue::verifier::soak {
+namespace ticktrue::soak {
 
 /// A world in which a check found something.
 struct FailedWorld {
@@ -68,4 +68,4 @@ std::string print_progress(const SoakIdentity& identity, const SoakCounters& cou
 /// Messages begin with `place`. Errors: corrupt; incompatible (another soak).
 Result<SoakCounters> parse_progress(const std::string& text, const SoakIdentity& identity, const std::string& place);
 
-}  // namespace ticktrue::verifier::soak
+}  // namespace ticktrue::soak

@@ -12,7 +12,7 @@
 #include "verifier/report/report.h"
 #include "verifier/runs/data_file.h"
 
-namespace ticktrue::verifier::soak {
+namespace ticktrue::soak {
 namespace {
 
 std::string inputs_text(const SoakCase& soak_case) {
@@ -26,14 +26,14 @@ Status write_case(const SoakCase& soak_case, const std::string& folder, const Va
   std::error_code failed;
   std::filesystem::create_directories(folder, failed);
   if (failed) return Error{ErrorCode::io, folder + ": cannot be made: " + failed.message(), ""};
-  if (const Status written = write_data_file(folder + "/scene.json", print_scene(soak_case.scene)); !written)
+  if (const Status written = verifier::write_data_file(folder + "/scene.json", print_scene(soak_case.scene)); !written)
     return written;
-  if (const Status written = write_data_file(folder + "/inputs.jsonl", inputs_text(soak_case)); !written)
+  if (const Status written = verifier::write_data_file(folder + "/inputs.jsonl", inputs_text(soak_case)); !written)
     return written;
-  return write_data_file(folder + "/command", "ticktrue soak " + shell_word(folder + "/scene.json") + " --inputs " +
-                                                  shell_word(folder + "/inputs.jsonl") + " --ticks " +
-                                                  std::to_string(soak_case.tick_count) + " --checks " +
-                                                  variant_text(variant) + "\n");
+  return verifier::write_data_file(
+      folder + "/command", "ticktrue soak " + verifier::shell_word(folder + "/scene.json") + " --inputs " +
+                               verifier::shell_word(folder + "/inputs.jsonl") + " --ticks " +
+                               std::to_string(soak_case.tick_count) + " --checks " + variant_text(variant) + "\n");
 }
 
 SoakCase shrink_case(const SoakCase& soak_case, const Finding& finding, const FailureOptions& options,
@@ -80,7 +80,7 @@ FailedWorld write_failure(const SoakCase& soak_case, std::uint64_t world_seed, c
 Result<SoakCase> read_case(const engine::Scene& scene, const std::string& inputs_path, std::uint64_t tick_count) {
   SoakCase soak_case{scene, {}, tick_count};
   if (inputs_path.empty()) return soak_case;
-  Result<LineReader> lines = LineReader::open(inputs_path);
+  Result<tool::LineReader> lines = tool::LineReader::open(inputs_path);
   if (!lines) return lines.error();
   std::uint32_t sequence = 0;
   for (;;) {
@@ -95,4 +95,4 @@ Result<SoakCase> read_case(const engine::Scene& scene, const std::string& inputs
   }
 }
 
-}  // namespace ticktrue::verifier::soak
+}  // namespace ticktrue::soak

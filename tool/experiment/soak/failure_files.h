@@ -9,7 +9,7 @@
 #include "tool/experiment/oracle/oracle.h"
 #include "tool/experiment/soak/counters.h"
 
-namespace ticktrue::verifier::soak {
+namespace ticktrue::soak {
 
 struct FailureOptions {
   std::string folder;         // created if missing
@@ -25,4 +25,4 @@ FailedWorld write_failure(const SoakCase& soak_case, std::uint64_t world_seed, c
 /// Reads scene.json and inputs.jsonl. Errors: those of reading a scene and its inputs.
 Result<SoakCase> read_case(const engine::Scene& scene, const std::string& inputs_path, std::uint64_t tick_count);
 
-}  // namespace ticktrue::verifier::soak
+}  // namespace ticktrue::soak

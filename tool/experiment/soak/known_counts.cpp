@@ -4,7 +4,7 @@
 
 #include "tool/experiment/soak/soak_report.h"
 
-namespace ticktrue::verifier::soak {
+namespace ticktrue::soak {
 
 Result<KnownFile> parse_known(const std::string& text, const std::string& place) {
   KnownFile known;
@@ -65,4 +65,4 @@ KnownComparison compare_known(const KnownCounts& expected, const KnownCounts& fo
   return comparison;
 }
 
-}  // namespace ticktrue::verifier::soak
+}  // namespace ticktrue::soak

@@ -3,7 +3,7 @@
 #include "engine/random_worlds/random_world.h"
 #include "tool/experiment/soak/soak.h"
 
-namespace ticktrue::verifier::soak {
+namespace ticktrue::soak {
 
 WorldSource random_worlds() {
   WorldSource source;
@@ -22,4 +22,4 @@ WorldSource random_worlds() {
   return source;
 }
 
-}  // namespace ticktrue::verifier::soak
+}  // namespace ticktrue::soak

@@ -18,7 +18,7 @@
 #include "tool/experiment/soak/failure_files.h"
 #include "verifier/runs/data_file.h"
 
-namespace ticktrue::verifier::soak {
+namespace ticktrue::soak {
 namespace {
 
 using Clock = std::chrono::steady_clock;
@@ -91,7 +91,7 @@ class Soak {
 
   Status save_progress() const {
     if (options_.only_world) return {};
-    Result<DataFile> file = DataFile::create(progress_path(), true);
+    Result<verifier::DataFile> file = verifier::DataFile::create(progress_path(), true);
     if (!file) return file.error();
     if (const Status written = file->write(print_progress(identity_, counters_)); !written) return written;
     return file->close();
@@ -213,4 +213,4 @@ Result<SoakReport> run_soak(const SoakOptions& options) {
   return Soak(options).run();
 }
 
-}  // namespace ticktrue::verifier::soak
+}  // namespace ticktrue::soak

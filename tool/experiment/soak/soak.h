@@ -13,7 +13,7 @@
 #include "tool/experiment/soak/counters.h"
 #include "tool/experiment/soak_case.h"
 
-namespace ticktrue::verifier::soak {
+namespace ticktrue::soak {
 
 /// The source of worlds: engine/random_worlds, or a test.
 struct WorldSource {
@@ -67,4 +67,4 @@ Result<SoakReport> run_soak(const SoakOptions& options);
 /// idle.
 inline constexpr std::uint64_t worlds_per_block = 128;
 
-}  // namespace ticktrue::verifier::soak
+}  // namespace ticktrue::soak

@@ -7,7 +7,7 @@
 #include <algorithm>
 #include <nlohmann/json.hpp>
 
-namespace ticktrue::verifier::soak {
+namespace ticktrue::soak {
 namespace {
 
 using Json = nlohmann::ordered_json;
@@ -205,4 +205,4 @@ std::string soak_json(const SoakOptions& options, const SoakReport& report, cons
   return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
 }
 
-}  // namespace ticktrue::verifier::soak
+}  // namespace ticktrue::soak

@@ -9,7 +9,7 @@
 
 #include "tool/experiment/soak/soak.h"
 
-namespace ticktrue::verifier::soak {
+namespace ticktrue::soak {
 
 /// Counts of physics violations that must not rise: (cause, check) to worlds.
 using KnownCounts = std::map<std::pair<std::string, std::string>, std::uint64_t>;
@@ -37,4 +37,4 @@ std::vector<std::string> never_hit(const SoakOptions& options, const SoakCounter
 std::string soak_text(const SoakOptions& options, const SoakReport& report, const KnownComparison& known);
 std::string soak_json(const SoakOptions& options, const SoakReport& report, const KnownComparison& known);
 
-}  // namespace ticktrue::verifier::soak
+}  // namespace ticktrue::soak

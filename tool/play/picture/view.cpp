@@ -10,13 +10,13 @@ namespace ticktrue::play {
 namespace {
 
 /// What the bodies that move would cover if they turned on the spot.
-verifier::WorldBox turned_bodies(const engine::Engine& engine) {
-  const verifier::Drawing drawing(engine.scene(), *engine.state().schema);
-  std::vector<verifier::DrawnBody> bodies;
+tool::WorldBox turned_bodies(const engine::Engine& engine) {
+  const tool::Drawing drawing(engine.scene(), *engine.state().schema);
+  std::vector<tool::DrawnBody> bodies;
   drawing.read(engine.state(), bodies);
-  verifier::WorldBox box;
-  for (const verifier::DrawnBody& body : bodies) {
-    const verifier::Figure& figure = drawing.figures()[body.figure];
+  tool::WorldBox box;
+  for (const tool::DrawnBody& body : bodies) {
+    const tool::Figure& figure = drawing.figures()[body.figure];
     if (figure.type == engine::BodyType::static_body || !body.is_finite) continue;
     box.add(body.center.x - figure.extent, body.center.y - figure.extent);
     box.add(body.center.x + figure.extent, body.center.y + figure.extent);
@@ -33,12 +33,12 @@ View first_view(const engine::Engine& engine, int width, int height) {
   const engine::Scene& scene = engine.scene();
   if (scene.pointer && scene.pointer->window) {
     const engine::Bounds& window = *scene.pointer->window;
-    verifier::WorldBox box;
+    tool::WorldBox box;
     box.add(window.lower.x, window.lower.y);
     box.add(window.upper.x, window.upper.y);
     view.fit(box);
   } else {
-    view.fit(verifier::choose_view(engine, turned_bodies(engine)));
+    view.fit(tool::choose_view(engine, turned_bodies(engine)));
   }
   return view;
 }

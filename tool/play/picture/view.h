@@ -26,7 +26,7 @@ struct View {
     return {center.x + (pixel.x - width / 2.0) / scale, center.y - (pixel.y - height / 2.0) / scale};
   }
   /// Everything of the box, as large as fits.
-  void fit(const verifier::WorldBox& box) {
+  void fit(const tool::WorldBox& box) {
     center = {(box.lower_x + box.upper_x) / 2, (box.lower_y + box.upper_y) / 2};
     scale = std::min(width / std::max(box.width(), 1e-3), height / std::max(box.height(), 1e-3));
     limit();

@@ -15,14 +15,14 @@ namespace ticktrue::play {
 namespace {
 
 using engine::Point;
-using verifier::DrawnBody;
-using verifier::Figure;
-using verifier::NamedTable;
-using verifier::Outline;
+using tool::DrawnBody;
+using tool::Figure;
+using tool::NamedTable;
+using tool::Outline;
 
 constexpr double two_pi = 6.283185307179586;
 
-Color color_of(const DrawnBody& body, const Figure& figure) {
+Color color_of(const tool::DrawnBody& body, const tool::Figure& figure) {
   switch (figure.type) {
     case engine::BodyType::static_body:
       return theme::fixed_body;
@@ -60,21 +60,23 @@ WorldPicture::WorldPicture(const engine::Engine& engine)
     : engine_(engine), drawing_(engine.scene(), *engine.state().schema) {}
 
 std::size_t WorldPicture::row_of(std::uint32_t id) const {
-  const auto found = std::lower_bound(bodies_.begin(), bodies_.end(), id,
-                                      [](const DrawnBody& body, std::uint32_t wanted) { return body.id < wanted; });
+  const auto found =
+      std::lower_bound(bodies_.begin(), bodies_.end(), id,
+                       [](const tool::DrawnBody& body, std::uint32_t wanted) { return body.id < wanted; });
   return found != bodies_.end() && found->id == id ? static_cast<std::size_t>(found - bodies_.begin()) : bodies_.size();
 }
 
-const DrawnBody* WorldPicture::find(std::uint32_t id) const {
+const tool::DrawnBody* WorldPicture::find(std::uint32_t id) const {
   const std::size_t row = row_of(id);
   return row < bodies_.size() ? &bodies_[row] : nullptr;
 }
 
-void WorldPicture::draw_outline(Canvas& canvas, const View& view, const DrawnBody& body, const Figure& figure,
-                                const Outline& outline, const Paint& paint, double line_px) {
+void WorldPicture::draw_outline(Canvas& canvas, const View& view, const tool::DrawnBody& body,
+                                const tool::Figure& figure, const tool::Outline& outline, const Paint& paint,
+                                double line_px) {
   std::vector<Point>& points = points_;
   points.clear();
-  for (const Point& point : outline.points) points.push_back(verifier::to_world(body, figure, point));
+  for (const Point& point : outline.points) points.push_back(tool::to_world(body, figure, point));
   if (!outline.is_line && outline.radius > 0 && points.size() > 1) points = rounded(points, outline.radius, view.scale);
   corners_.clear();
   for (const Point& point : points) corners_.push_back(view.to_pixel(point));
@@ -90,27 +92,27 @@ void WorldPicture::draw_outline(Canvas& canvas, const View& view, const DrawnBod
 }
 
 /// A short mark from the middle, so that turning is seen.
-void WorldPicture::draw_turn(Canvas& canvas, const View& view, const DrawnBody& body, const Figure& figure,
+void WorldPicture::draw_turn(Canvas& canvas, const View& view, const tool::DrawnBody& body, const tool::Figure& figure,
                              Color color) {
-  for (const Outline& outline : figure.outlines) {
+  for (const tool::Outline& outline : figure.outlines) {
     if (outline.points.size() != 1 || outline.is_sensor) continue;
     const Point& center = outline.points[0];
-    const Pixel from = view.to_pixel(verifier::to_world(body, figure, center));
-    const Pixel to = view.to_pixel(verifier::to_world(body, figure, {center.x + outline.radius * 0.8, center.y}));
+    const Pixel from = view.to_pixel(tool::to_world(body, figure, center));
+    const Pixel to = view.to_pixel(tool::to_world(body, figure, {center.x + outline.radius * 0.8, center.y}));
     if (outline.radius * view.scale > 4) canvas.line(from, to, 1.5, color);
   }
 }
 
-void WorldPicture::draw_body(Canvas& canvas, const View& view, const DrawnBody& body, const Paint& paint,
+void WorldPicture::draw_body(Canvas& canvas, const View& view, const tool::DrawnBody& body, const Paint& paint,
                              double line_px) {
-  const Figure& figure = used_->figures()[body.figure];
+  const tool::Figure& figure = used_->figures()[body.figure];
   if (!body.is_finite) return;
   const Pixel middle = view.to_pixel(body.center);
   const double reach = figure.extent * view.scale + 2;
   if (middle.x + reach < 0 || middle.x - reach > canvas.width() || middle.y + reach < 0 ||
       middle.y - reach > canvas.height())
     return;
-  for (const Outline& outline : figure.outlines) {
+  for (const tool::Outline& outline : figure.outlines) {
     Paint own = paint;
     if (outline.is_sensor) own.fill = with_alpha(own.edge, 30);
     draw_outline(canvas, view, body, figure, outline, own, line_px);
@@ -119,7 +121,7 @@ void WorldPicture::draw_body(Canvas& canvas, const View& view, const DrawnBody& 
 
 void WorldPicture::find_sleepers() {
   asleep_.assign(bodies_.size(), 0);
-  const NamedTable sleep(engine_.state(), "sleep");
+  const tool::NamedTable sleep(engine_.state(), "sleep");
   for (std::uint32_t row = 0; row < sleep.row_count(); ++row) {
     const std::size_t body = row_of(sleep.whole(row, "body"));
     if (body < bodies_.size()) asleep_[body] = sleep.whole(row, "asleep") != 0 ? 1 : 0;
@@ -161,8 +163,8 @@ void WorldPicture::draw(Canvas& canvas, const View& view, const LayerSet& layers
   used_ = &drawing_;
   const double edge_px = std::clamp(view.scale * 0.05, 1.0, 2.0);
   for (std::size_t row = 0; row < bodies_.size(); ++row) {
-    const DrawnBody& body = bodies_[row];
-    const Figure& figure = drawing_.figures()[body.figure];
+    const tool::DrawnBody& body = bodies_[row];
+    const tool::Figure& figure = drawing_.figures()[body.figure];
     const bool moves = figure.type == engine::BodyType::dynamic_body;
     Color color = color_of(body, figure);
     if (moves && layers.has(Layer::islands))
@@ -198,24 +200,24 @@ void WorldPicture::draw_contacts(Canvas& canvas, const View& view, const LayerSe
 }
 
 void WorldPicture::draw_joints(Canvas& canvas, const View& view) {
-  const NamedTable table(engine_.state(), "joints");
+  const tool::NamedTable table(engine_.state(), "joints");
   const auto mark = [&](const Point& point) { canvas.circle(view.to_pixel(point), 2.5, {theme::joint, {}, 0}); };
   for (std::uint32_t row = 0; row < table.row_count(); ++row) {
     const auto index = std::size_t{table.whole(row, "joint")};
     if (index >= engine_.scene().joints.size()) continue;
-    const engine::Joint joint = verifier::shown_joint(engine_.scene(), engine_.scene().joints[index]);
-    const DrawnBody* b = find(joint.body_b);
+    const engine::Joint joint = tool::shown_joint(engine_.scene(), engine_.scene().joints[index]);
+    const tool::DrawnBody* b = find(joint.body_b);
     if (b == nullptr) continue;
-    const Point anchor_b = verifier::to_world(*b, drawing_.figures()[b->figure], joint.anchor_b);
+    const Point anchor_b = tool::to_world(*b, drawing_.figures()[b->figure], joint.anchor_b);
     Point anchor_a = joint.offset;
     if (engine::has_body_a(joint.kind) || engine::joins_joints(joint.kind)) {
-      const DrawnBody* a = find(joint.body_a);
+      const tool::DrawnBody* a = find(joint.body_a);
       if (a == nullptr) continue;
-      anchor_a = verifier::to_world(*a, drawing_.figures()[a->figure], joint.anchor_a);
+      anchor_a = tool::to_world(*a, drawing_.figures()[a->figure], joint.anchor_a);
       canvas.line(view.to_pixel(a->center), view.to_pixel(anchor_a), 1.2, with_alpha(theme::joint, 150));
     }
     canvas.line(view.to_pixel(b->center), view.to_pixel(anchor_b), 1.2, with_alpha(theme::joint, 150));
-    const verifier::JointLines shown = verifier::joint_lines(joint, {anchor_a, anchor_b, joint.axis});
+    const tool::JointLines shown = tool::joint_lines(joint, {anchor_a, anchor_b, joint.axis});
     for (std::size_t i = 0; i < shown.count; ++i)
       canvas.line(view.to_pixel(shown.lines[i][0]), view.to_pixel(shown.lines[i][1]), 1.2, theme::joint);
     mark(anchor_a);
@@ -242,9 +244,9 @@ void WorldPicture::draw_broad_phase(Canvas& canvas, const View& view, const Laye
 }
 
 void WorldPicture::draw_pulls(Canvas& canvas, const View& view) {
-  const NamedTable pointers(engine_.state(), "pointers");
+  const tool::NamedTable pointers(engine_.state(), "pointers");
   for (std::uint32_t row = 0; row < pointers.row_count(); ++row) {
-    const DrawnBody* body = find(pointers.whole(row, "body"));
+    const tool::DrawnBody* body = find(pointers.whole(row, "body"));
     if (body == nullptr) continue;
     const double x = pointers.value(row, "anchor", 0), y = pointers.value(row, "anchor", 1);
     const Pixel from =
@@ -256,15 +258,14 @@ void WorldPicture::draw_pulls(Canvas& canvas, const View& view) {
   }
 }
 
-void WorldPicture::draw_ghosts(Canvas& canvas, const View& view, const verifier::Drawing& drawing,
-                               const StateView& state) {
-  std::vector<DrawnBody> ghosts;
+void WorldPicture::draw_ghosts(Canvas& canvas, const View& view, const tool::Drawing& drawing, const StateView& state) {
+  std::vector<tool::DrawnBody> ghosts;
   drawing.read(state, ghosts);
   used_ = &drawing;
-  for (const DrawnBody& ghost : ghosts) {
+  for (const tool::DrawnBody& ghost : ghosts) {
     if (drawing.figures()[ghost.figure].type == engine::BodyType::static_body) continue;
     draw_body(canvas, view, ghost, {with_alpha(theme::ghost, 22), theme::ghost, 1.2}, 1.2);
-    const DrawnBody* here = find(ghost.id);
+    const tool::DrawnBody* here = find(ghost.id);
     if (here == nullptr || !here->is_finite || !ghost.is_finite) continue;
     const Pixel a = view.to_pixel(here->center), b = view.to_pixel(ghost.center);
     if (std::hypot(a.x - b.x, a.y - b.y) > 1) canvas.line(a, b, 1, with_alpha(theme::ghost, 170));
@@ -273,7 +274,7 @@ void WorldPicture::draw_ghosts(Canvas& canvas, const View& view, const verifier:
 
 void WorldPicture::draw_rings(Canvas& canvas, const View& view, const std::vector<std::uint32_t>& ids) {
   for (const std::uint32_t id : ids) {
-    const DrawnBody* body = find(id);
+    const tool::DrawnBody* body = find(id);
     if (body == nullptr || !body->is_finite) continue;
     const double radius = drawing_.figures()[body->figure].extent * view.scale + 7;
     canvas.ring(view.to_pixel(body->center), radius, 5, with_alpha(theme::bad, 70));

@@ -22,21 +22,21 @@ class WorldPicture {
   /// The ground, the bodies of the engine's present state, and the layers that are on.
   void draw(Canvas& canvas, const View& view, const LayerSet& layers);
   /// The outlines of the bodies of another state of the same or a similar scene.
-  void draw_ghosts(Canvas& canvas, const View& view, const verifier::Drawing& drawing, const StateView& state);
+  void draw_ghosts(Canvas& canvas, const View& view, const tool::Drawing& drawing, const StateView& state);
   /// A ring around each of these bodies. Those that are not there get none.
   void draw_rings(Canvas& canvas, const View& view, const std::vector<std::uint32_t>& ids);
   /// From the point of the body that a pointer holds to where it pulls.
   void draw_pulls(Canvas& canvas, const View& view);
 
   /// What was drawn last, as it was read from the state.
-  const std::vector<verifier::DrawnBody>& bodies() const { return bodies_; }
-  const verifier::Drawing& drawing() const { return drawing_; }
+  const std::vector<tool::DrawnBody>& bodies() const { return bodies_; }
+  const tool::Drawing& drawing() const { return drawing_; }
 
  private:
-  void draw_body(Canvas& canvas, const View& view, const verifier::DrawnBody& body, const Paint& paint, double line_px);
-  void draw_outline(Canvas& canvas, const View& view, const verifier::DrawnBody& body, const verifier::Figure& figure,
-                    const verifier::Outline& outline, const Paint& paint, double line_px);
-  void draw_turn(Canvas& canvas, const View& view, const verifier::DrawnBody& body, const verifier::Figure& figure,
+  void draw_body(Canvas& canvas, const View& view, const tool::DrawnBody& body, const Paint& paint, double line_px);
+  void draw_outline(Canvas& canvas, const View& view, const tool::DrawnBody& body, const tool::Figure& figure,
+                    const tool::Outline& outline, const Paint& paint, double line_px);
+  void draw_turn(Canvas& canvas, const View& view, const tool::DrawnBody& body, const tool::Figure& figure,
                  Color color);
   void draw_contacts(Canvas& canvas, const View& view, const LayerSet& layers,
                      const std::vector<engine::ContactReport>& contacts);
@@ -44,17 +44,17 @@ class WorldPicture {
   void draw_broad_phase(Canvas& canvas, const View& view, const LayerSet& layers);
   void find_islands(const std::vector<engine::ContactReport>& contacts);
   void find_sleepers();
-  const verifier::DrawnBody* find(std::uint32_t id) const;
+  const tool::DrawnBody* find(std::uint32_t id) const;
   std::size_t row_of(std::uint32_t id) const;
 
   const engine::Engine& engine_;
-  verifier::Drawing drawing_;
-  std::vector<verifier::DrawnBody> bodies_;
-  std::vector<std::uint32_t> island_;        // [body] row of the first body of its island
-  std::vector<std::uint8_t> asleep_;         // [body]
-  std::vector<engine::Point> points_;        // work space
-  std::vector<Pixel> corners_;               // work space
-  const verifier::Drawing* used_ = nullptr;  // of the bodies being drawn
+  tool::Drawing drawing_;
+  std::vector<tool::DrawnBody> bodies_;
+  std::vector<std::uint32_t> island_;    // [body] row of the first body of its island
+  std::vector<std::uint8_t> asleep_;     // [body]
+  std::vector<engine::Point> points_;    // work space
+  std::vector<Pixel> corners_;           // work space
+  const tool::Drawing* used_ = nullptr;  // of the bodies being drawn
 };
 
 /// Draws a grid of whole metres (or tens, or tenths of them).

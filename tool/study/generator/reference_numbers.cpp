@@ -128,7 +128,7 @@ void pendulum(const char* name, Real start) {
 int main() {
   std::printf(
       "// Reference numbers, made by tool/study/generator/reference_numbers.cpp; see there.\n"
-      "// SPDX-License-Identifier: MIT\n#pragma once\n\n// clang-format off\n\nnamespace ticktrue::verifier {\n\n"
+      "// SPDX-License-Identifier: MIT\n#pragma once\n\n// clang-format off\n\nnamespace ticktrue::tool {\n\n"
       "// Angles of a double pendulum from hanging down, rad: upper, lower at 2 s / 20, 4 s / 20, ... 2 s.\n");
   pendulum("double_pendulum_90", pi / 2);
   pendulum("double_pendulum_120", 2 * pi / 3);
@@ -142,5 +142,5 @@ int main() {
     print("rolling", rolling(n, 3.1L, 2, 4000), rolling(n, 3.1L, 2, 8000), 1e-11L, "        ");
     std::printf("    },\n");
   }
-  std::printf("};\n\n}  // namespace ticktrue::verifier\n");
+  std::printf("};\n\n}  // namespace ticktrue::tool\n");
 }

@@ -19,7 +19,7 @@
 #include "tool/study/problem_file/reference_table.h"
 #include "tool/study/table.h"
 
-namespace ticktrue::verifier {
+namespace ticktrue::tool {
 namespace {
 
 using engine::JsonPath;
@@ -337,7 +337,7 @@ class ProblemMaker {
     const std::string file = (std::filesystem::path(path_).parent_path() / text_.reference).string();
     const Result<std::string> csv = cli::read_text_file(file, problem_file_size_max);
     if (!csv) return reader_.error_at("reference", csv.error().message, "it is searched in the folder of this file");
-    const auto table = ReferenceTable::parse(*csv, file, text_.observe.size());
+    const auto table = ReferenceTable::parse(*csv, file, text_.observe);
     if (!table) return table.error();
     const double first = problem.duration / problem.sample_count;
     const double tolerance = 1e-9 * problem.duration;
@@ -364,8 +364,12 @@ class ProblemMaker {
     for (const std::string& name : names)
       if (const Status is_known = check("methods", name); !is_known) return is_known;
     problem.method_names = std::move(names);
-    for (const auto& [name, slope] : problem.slopes)
+    const std::vector<Method> run = methods_of(problem);
+    for (const auto& [name, slope] : problem.slopes) {
       if (const Status is_known = check("slope", name); !is_known) return is_known;
+      if (std::none_of(run.begin(), run.end(), [&name = name](const Method& method) { return method.name == name; }))
+        return reader_.error_at("slope", "found a slope of " + name + ", which methods leaves out");
+    }
     for (const Bar& bar : problem.bars) {
       if (const Status is_known = check("bars", bar.method); !is_known) return is_known;
       if (const Status is_run = check_bar(problem, bar); !is_run) return is_run;
@@ -426,4 +430,4 @@ Result<Problem> read_problem(const std::string& path) {
   return ProblemMaker(path, *json, std::move(text)).make();
 }
 
-}  // namespace ticktrue::verifier
+}  // namespace ticktrue::tool

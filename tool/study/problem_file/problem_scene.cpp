@@ -8,7 +8,7 @@
 #include "engine/scene/scene_json.h"
 #include "tool/output/json_output.h"
 
-namespace ticktrue::verifier {
+namespace ticktrue::tool {
 
 using engine::JsonPath;
 using engine::JsonValue;
@@ -66,4 +66,4 @@ Result<engine::Scene> scene_of_problem(const engine::JsonValue& value, const std
   return cli::load_scene_argument(is_file ? beside.string() : value.text);
 }
 
-}  // namespace ticktrue::verifier
+}  // namespace ticktrue::tool

@@ -11,7 +11,7 @@
 #include "engine/scene/json_reader.h"
 #include "engine/scene/scene.h"
 
-namespace ticktrue::verifier {
+namespace ticktrue::tool {
 
 inline constexpr std::size_t problem_file_size_max = std::size_t{64} << 20;
 
@@ -36,4 +36,4 @@ class OwnFileReader : public engine::JsonReader {
 Result<engine::Scene> scene_of_problem(const engine::JsonValue& value, const std::string& json,
                                        const std::string& path);
 
-}  // namespace ticktrue::verifier
+}  // namespace ticktrue::tool

@@ -3,11 +3,13 @@
 #include "tool/study/problem_file/reference_table.h"
 
 #include <algorithm>
+#include <optional>
+#include <utility>
 
 #include "engine/json/json_tree.h"
 #include "engine/json/number_text.h"
 
-namespace ticktrue::verifier {
+namespace ticktrue::tool {
 namespace {
 
 constexpr std::size_t row_count_max = 1'000'000;
@@ -18,23 +20,67 @@ std::string_view trimmed(std::string_view text) {
   return text;
 }
 
-/// Parses the numbers of a line. Absent if a cell is not a number.
-std::optional<std::vector<double>> numbers_of(std::string_view line) {
-  std::vector<double> numbers;
+std::vector<std::string_view> cells_of(std::string_view line) {
+  std::vector<std::string_view> cells;
   while (true) {
     const std::size_t comma = std::min(line.find(','), line.size());
-    const auto number = engine::parse_number(trimmed(line.substr(0, comma)));
-    if (!number) return {};
-    numbers.push_back(*number);
-    if (comma == line.size()) return numbers;
+    cells.push_back(trimmed(line.substr(0, comma)));
+    if (comma == line.size()) return cells;
     line.remove_prefix(comma + 1);
   }
 }
 
+/// The numbers of a line. Absent if a cell is not a number.
+std::optional<std::vector<double>> numbers_of(std::string_view line) {
+  std::vector<double> numbers;
+  for (const std::string_view cell : cells_of(line)) {
+    const auto number = engine::parse_number(cell);
+    if (!number) return {};
+    numbers.push_back(*number);
+  }
+  return numbers;
+}
+
+std::string joined(const std::vector<std::string>& names) {
+  std::string text;
+  for (const std::string& name : names) text += (text.empty() ? "" : ",") + name;
+  return text;
+}
+
+/// Which columns hold the time and the values.
+struct TableColumns {
+  std::size_t count = 0;            // of a line
+  std::vector<std::size_t> chosen;  // the time, then each value
+};
+
+/// Columns in the order of the values, if no line names them.
+TableColumns columns_in_order(std::size_t value_count) {
+  TableColumns columns{value_count + 1, {}};
+  for (std::size_t i = 0; i < columns.count; ++i) columns.chosen.push_back(i);
+  return columns;
+}
+
+/// Columns by their names. Absent if one of `time` and `names` is missing.
+std::optional<TableColumns> columns_by_name(const std::vector<std::string_view>& heads,
+                                            const std::vector<std::string>& names) {
+  TableColumns columns{heads.size(), {}};
+  const auto add = [&](std::string_view name) {
+    const auto found = std::find(heads.begin(), heads.end(), name);
+    columns.chosen.push_back(static_cast<std::size_t>(found - heads.begin()));
+    return found != heads.end();
+  };
+  bool has_all = add("time");
+  for (const std::string& name : names) has_all = add(name) && has_all;
+  return has_all ? std::optional(columns) : std::nullopt;
+}
+
 }  // namespace
 
-Result<ReferenceTable> ReferenceTable::parse(std::string_view text, const std::string& place, std::size_t value_count) {
+Result<ReferenceTable> ReferenceTable::parse(std::string_view text, const std::string& place,
+                                             const std::vector<std::string>& names) {
   ReferenceTable table;
+  TableColumns columns = columns_in_order(names.size());
+  bool is_first = true;
   std::size_t number = 0;
   while (!text.empty()) {
     const std::size_t end = std::min(text.find('\n'), text.size());
@@ -45,19 +91,31 @@ Result<ReferenceTable> ReferenceTable::parse(std::string_view text, const std::s
     const auto wrong = [&](const std::string& what) {
       return Error{ErrorCode::corrupt, place + ":" + std::to_string(number) + ": " + what, ""};
     };
+    const std::vector<std::string_view> heads = cells_of(line);
+    if (std::exchange(is_first, false) && !engine::parse_number(heads.front())) {
+      const auto named = columns_by_name(heads, names);
+      if (named)
+        columns = *named;
+      else if (heads.front() == "tick")  // of `ticktrue replay --format csv`
+        return wrong("found columns " + engine::in_quotes(engine::shortened(line)) + ", expected time," +
+                     joined(names));
+      continue;
+    }
     const auto numbers = numbers_of(line);
-    if (!numbers && number == 1) continue;  // the first line may hold the names of the columns
-    if (!numbers || numbers->size() != value_count + 1)
-      return wrong("found " + engine::in_quotes(engine::shortened(line)) + ", expected a time and " +
-                   std::to_string(value_count) + (value_count == 1 ? " value" : " values"));
-    if (!table.times_.empty() && !(numbers->front() > table.times_.back()))
-      return wrong("found time " + engine::number_text(numbers->front()) + ", expected one after " +
+    if (!numbers || numbers->size() != columns.count)
+      return wrong("found " + engine::in_quotes(engine::shortened(line)) + ", expected " +
+                   std::to_string(columns.count) + " numbers: time," + joined(names));
+    const double time_s = (*numbers)[columns.chosen.front()];
+    if (!table.times_.empty() && !(time_s > table.times_.back()))
+      return wrong("found time " + engine::number_text(time_s) + ", expected one after " +
                    engine::number_text(table.times_.back()));
     if (table.times_.size() == row_count_max)
       return Error{ErrorCode::limit, place + ": found more rows, expected at most " + std::to_string(row_count_max),
                    ""};
-    table.times_.push_back(numbers->front());
-    table.values_.emplace_back(numbers->begin() + 1, numbers->end());
+    table.times_.push_back(time_s);
+    table.values_.emplace_back();
+    for (std::size_t i = 1; i < columns.chosen.size(); ++i)
+      table.values_.back().push_back((*numbers)[columns.chosen[i]]);
   }
   if (table.times_.size() < 2)
     return Error{ErrorCode::corrupt,
@@ -80,4 +138,4 @@ std::vector<double> ReferenceTable::at(double time) const {
   return values;
 }
 
-}  // namespace ticktrue::verifier
+}  // namespace ticktrue::tool

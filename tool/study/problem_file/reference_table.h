@@ -8,14 +8,16 @@
 
 #include "base/result.h"
 
-namespace ticktrue::verifier {
+namespace ticktrue::tool {
 
 /// Values at ascending times.
 class ReferenceTable {
  public:
-  /// Parses lines "time, value, ..." with `value_count` values. Skips a first line of names, and lines that begin with
-  /// #. Messages begin with `place`. Errors: corrupt, with the line; limit.
-  static Result<ReferenceTable> parse(std::string_view text, const std::string& place, std::size_t value_count);
+  /// Parses lines "time, value, ..." with a value for each of `names`. Skips lines that begin with #. The first other
+  /// line may hold the names of the columns: if `time` and all of `names` are among these, they choose the columns, and
+  /// all other columns are ignored. Messages begin with `place`. Errors: corrupt, with the line; limit.
+  static Result<ReferenceTable> parse(std::string_view text, const std::string& place,
+                                      const std::vector<std::string>& names);
 
   double first_time() const { return times_.front(); }
   double last_time() const { return times_.back(); }
@@ -28,4 +30,4 @@ class ReferenceTable {
   std::vector<std::vector<double>> values_;  // [row][value]
 };
 
-}  // namespace ticktrue::verifier
+}  // namespace ticktrue::tool

@@ -19,7 +19,7 @@
 #include "tool/study/stress/stress_parts.h"
 #include "tool/study/table.h"
 
-namespace ticktrue::verifier {
+namespace ticktrue::tool {
 namespace {
 
 using engine::JsonPath;
@@ -202,17 +202,22 @@ struct VariedScene {
   bool varies_precision = false;
 };
 Result<std::vector<VariedScene>> varied_scenes(const StressText& text, const Scene& scene, const std::string& place) {
-  std::vector<VariedScene> scenes{{"", scene, false}};
+  std::vector<VariedKey> keys;
   for (const std::string& vary : text.vary) {
-    const Result<VariedKey> varied = parse_varied(vary, place);
+    Result<VariedKey> varied = parse_varied(vary, place);
     if (!varied) return varied.error();
+    keys.push_back(*std::move(varied));
+  }
+  if (const Status are_apart = check_apart(keys, scene, place); !are_apart) return are_apart.error();
+  std::vector<VariedScene> scenes{{"", scene, false}};
+  for (const VariedKey& varied : keys) {
     std::vector<VariedScene> more;
     for (const VariedScene& each : scenes)
-      for (const std::string& value : varied->values) {
-        const Result<Scene> changed = scene_with(each.scene, varied->key, value, place);
+      for (const std::string& value : varied.values) {
+        const Result<Scene> changed = scene_with(each.scene, varied.key, value, place);
         if (!changed) return changed.error();
-        const bool varies_precision = each.varies_precision || varied->key == "settings.precision";
-        more.push_back({each.suffix + " " + varied->key + "=" + value, *changed, varies_precision});
+        const bool varies_precision = each.varies_precision || varied.key == "settings.precision";
+        more.push_back({each.suffix + " " + varied.key + "=" + value, *changed, varies_precision});
         if (more.size() > case_count_max)
           return Error{ErrorCode::usage,
                        place + ": found more than " + std::to_string(case_count_max) + " cases, expected fewer", ""};
@@ -277,4 +282,4 @@ Result<std::vector<StressCase>> read_stress_file(const std::string& path) {
   return cases;
 }
 
-}  // namespace ticktrue::verifier
+}  // namespace ticktrue::tool

@@ -8,7 +8,7 @@
 #include "base/result.h"
 #include "tool/study/stress/stress.h"
 
-namespace ticktrue::verifier {
+namespace ticktrue::tool {
 
 /// Reads the cases of a JSON file (docs/study.md, *Stress cases of one's own*): one case, or one for each varied value.
 /// Errors: io, limit, usage (with the path in the JSON); those of parse_scene, scene_with and Expression::parse.
@@ -17,4 +17,4 @@ Result<std::vector<StressCase>> read_stress_file(const std::string& path);
 /// An example file to start from: a stack below a load that varies.
 extern const char* const example_stress;
 
-}  // namespace ticktrue::verifier
+}  // namespace ticktrue::tool

@@ -10,7 +10,7 @@
 #include "tool/study/measures.h"
 #include "tool/study/worlds.h"
 
-namespace ticktrue::verifier {
+namespace ticktrue::tool {
 
 using engine::IntegratorKind;
 using engine::Precision;
@@ -248,4 +248,4 @@ bool stability_holds(const StabilityRow& row) {
   return std::fabs(row.found - row.theory) <= 0.01 * row.theory;
 }
 
-}  // namespace ticktrue::verifier
+}  // namespace ticktrue::tool

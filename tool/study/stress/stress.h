@@ -19,7 +19,7 @@
 #include "engine/scene/scene.h"
 #include "tool/study/verdict.h"
 
-namespace ticktrue::verifier {
+namespace ticktrue::tool {
 
 /// The settings of the engine for a case.
 struct StressMethod {
@@ -130,4 +130,4 @@ Result<std::vector<StabilityRow>> stability_limits(const std::vector<engine::Pre
                                                    unsigned thread_count);
 bool stability_holds(const StabilityRow& row);
 
-}  // namespace ticktrue::verifier
+}  // namespace ticktrue::tool

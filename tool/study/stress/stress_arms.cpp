@@ -5,7 +5,7 @@
 #include "tool/study/stress/stress_parts.h"
 #include "tool/study/worlds.h"
 
-namespace ticktrue::verifier {
+namespace ticktrue::tool {
 namespace {
 
 using engine::Body;
@@ -73,4 +73,4 @@ void add_arm_cases(std::vector<StressCase>& cases) {
   }
 }
 
-}  // namespace ticktrue::verifier
+}  // namespace ticktrue::tool

@@ -4,7 +4,7 @@
 
 #include "tool/study/stress/stress_parts.h"
 
-namespace ticktrue::verifier {
+namespace ticktrue::tool {
 namespace {
 
 using engine::Precision;
@@ -83,4 +83,4 @@ void add_claims(std::vector<StressCase>& cases) {
   }
 }
 
-}  // namespace ticktrue::verifier
+}  // namespace ticktrue::tool

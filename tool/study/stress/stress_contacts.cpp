@@ -8,7 +8,7 @@
 #include "tool/study/stress/stress_parts.h"
 #include "tool/study/worlds.h"
 
-namespace ticktrue::verifier {
+namespace ticktrue::tool {
 
 using engine::BodyType;
 using engine::Engine;
@@ -509,4 +509,4 @@ void add_contact_cases(std::vector<StressCase>& cases) {
   add_frictions(cases);
 }
 
-}  // namespace ticktrue::verifier
+}  // namespace ticktrue::tool

@@ -8,7 +8,7 @@
 #include "tool/study/stress/stress_parts.h"
 #include "tool/study/worlds.h"
 
-namespace ticktrue::verifier {
+namespace ticktrue::tool {
 namespace {
 
 using engine::Body;
@@ -143,4 +143,4 @@ void add_floating_cases(std::vector<StressCase>& cases) {
   }
 }
 
-}  // namespace ticktrue::verifier
+}  // namespace ticktrue::tool

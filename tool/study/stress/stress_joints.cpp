@@ -8,7 +8,7 @@
 #include "tool/study/stress/stress_parts.h"
 #include "tool/study/worlds.h"
 
-namespace ticktrue::verifier {
+namespace ticktrue::tool {
 namespace {
 
 using engine::Engine;
@@ -428,4 +428,4 @@ void add_joint_cases(std::vector<StressCase>& cases) {
   add_others(cases);
 }
 
-}  // namespace ticktrue::verifier
+}  // namespace ticktrue::tool

@@ -7,7 +7,7 @@
 #include "tool/study/stress/stress_parts.h"
 #include "tool/study/worlds.h"
 
-namespace ticktrue::verifier {
+namespace ticktrue::tool {
 namespace {
 
 using engine::BodyType;
@@ -212,4 +212,4 @@ void add_load_cases(std::vector<StressCase>& cases) {
   cases.push_back(lift());
 }
 
-}  // namespace ticktrue::verifier
+}  // namespace ticktrue::tool

@@ -8,7 +8,7 @@
 #include "tool/study/stress/stress_parts.h"
 #include "tool/study/worlds.h"
 
-namespace ticktrue::verifier {
+namespace ticktrue::tool {
 namespace {
 
 using engine::Engine;
@@ -199,4 +199,4 @@ void add_motion_cases(std::vector<StressCase>& cases) {
   add_other_cases(cases);
 }
 
-}  // namespace ticktrue::verifier
+}  // namespace ticktrue::tool

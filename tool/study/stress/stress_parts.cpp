@@ -6,7 +6,7 @@
 #include <cmath>
 #include <cstdio>
 
-namespace ticktrue::verifier {
+namespace ticktrue::tool {
 
 using engine::BodyType;
 using engine::Engine;
@@ -112,4 +112,4 @@ std::string plain_number(double value) {
   return text;
 }
 
-}  // namespace ticktrue::verifier
+}  // namespace ticktrue::tool

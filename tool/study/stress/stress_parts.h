@@ -10,7 +10,7 @@
 #include "tool/study/measures.h"
 #include "tool/study/stress/stress.h"
 
-namespace ticktrue::verifier {
+namespace ticktrue::tool {
 
 void add_contact_cases(std::vector<StressCase>& cases);
 void add_small_and_far_cases(std::vector<StressCase>& cases);
@@ -49,4 +49,4 @@ double moved_share(const Bodies& start, const Bodies& end, double across_max, do
 /// The format in names and sentences: 0.01, 1000, 1e+06.
 std::string plain_number(double value);
 
-}  // namespace ticktrue::verifier
+}  // namespace ticktrue::tool

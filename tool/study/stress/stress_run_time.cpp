@@ -9,7 +9,7 @@
 #include "tool/study/measures.h"
 #include "tool/study/worlds.h"
 
-namespace ticktrue::verifier {
+namespace ticktrue::tool {
 namespace {
 
 using engine::Body;
@@ -218,4 +218,4 @@ Result<std::vector<RunTimeRow>> run_times(const RunTimeOptions& options) {
   return rows;
 }
 
-}  // namespace ticktrue::verifier
+}  // namespace ticktrue::tool

@@ -14,7 +14,7 @@
 #include "base/result.h"
 #include "engine/scene/scene.h"
 
-namespace ticktrue::verifier {
+namespace ticktrue::tool {
 
 struct RunTimeScene {
   std::string_view name;
@@ -60,4 +60,4 @@ struct RunTimeOptions {
 /// Errors: usage (no scene has this name); those of Simulation::step.
 Result<std::vector<RunTimeRow>> run_times(const RunTimeOptions& options);
 
-}  // namespace ticktrue::verifier
+}  // namespace ticktrue::tool

@@ -7,7 +7,7 @@
 #include "tool/study/stress/stress_parts.h"
 #include "tool/study/worlds.h"
 
-namespace ticktrue::verifier {
+namespace ticktrue::tool {
 namespace {
 
 using engine::Body;
@@ -177,4 +177,4 @@ void add_scheme_cases(std::vector<StressCase>& cases) {
     }
 }
 
-}  // namespace ticktrue::verifier
+}  // namespace ticktrue::tool

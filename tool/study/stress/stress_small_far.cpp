@@ -7,7 +7,7 @@
 #include "tool/study/stress/stress_parts.h"
 #include "tool/study/worlds.h"
 
-namespace ticktrue::verifier {
+namespace ticktrue::tool {
 namespace {
 
 using engine::BodyType;
@@ -111,4 +111,4 @@ void add_small_and_far_cases(std::vector<StressCase>& cases) {
   add_heaps(cases);
 }
 
-}  // namespace ticktrue::verifier
+}  // namespace ticktrue::tool
