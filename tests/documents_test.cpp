@@ -7,6 +7,7 @@
 #include <string_view>
 #include <vector>
 
+#include "base/hash.h"
 #include "tests/support/catch.h"
 #include "tests/support/source_tree.h"
 
@@ -153,6 +154,22 @@ TEST_CASE("documents that are kept plain have sentences of at most 25 words", "[
     CHECK_FALSE(document.text.empty());
     for (const std::string& sentence : long_sentences_of(document.text))
       FAIL_CHECK(document.path << ": error: more than " << words_max << " words, make two sentences: " << sentence);
+  }
+}
+
+TEST_CASE("a landed decision is not edited", "[tidy][docs]") {
+  const fs::path folder = fs::path(TICKTRUE_SOURCE_DIR) / "docs/decisions";
+  const std::vector<std::string> rows = lines_of(read_text(folder / "records.tsv"));
+  REQUIRE_FALSE(rows.empty());
+  for (const SourceFile& record : files_below(TICKTRUE_SOURCE_DIR, "docs/decisions", {".md"})) {
+    const fs::path path(record.path);
+    if (path.parent_path().generic_string() != "docs/decisions" || path.filename() == "README.md") continue;
+    const auto* bytes = reinterpret_cast<const std::uint8_t*>(record.text.data());
+    const std::string row =
+        path.filename().string() + "\t" + ticktrue::hex64(ticktrue::hash64({bytes, record.text.size()}));
+    INFO("A record has another hash than docs/decisions/records.tsv: write a new record. The row of a new one:\n"
+         << row);
+    CHECK(std::count(rows.begin(), rows.end(), row) == 1);
   }
 }
 

@@ -83,7 +83,6 @@ class Probe {
   void unmap_window();
   void copy_memory();
   bool fork_copy(Role role, int limit_ms);
-  void wait_for_copy();
   void compare_with_copy();
   bool examine();
   bool search(const Groups& groups, const Trial* known);

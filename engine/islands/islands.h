@@ -37,7 +37,7 @@ struct IslandWork {
   std::vector<std::uint32_t> awake_contacts;  // of these bodies, in TickLists::contact_pairs
   std::vector<std::uint32_t> part_counts;     // [chunk]
   std::vector<Support> supports;
-  std::vector<std::uint32_t> support_start;  // [body] steps from the ground or the heaviest floating body
+  std::vector<std::uint32_t> support_start;  // [body] its first in `supports`, and the end
   std::vector<std::uint32_t> support_depth;  // [body] steps from the ground or the heaviest floating body
   std::vector<std::uint32_t> support_order;  // bodies by depth
   std::vector<Real> joint_acceleration;      // [body] m/s^2, of its joints by rotation

@@ -230,7 +230,6 @@ struct PointRow {
     pair.b.velocity = pair.b.velocity + joint.inv_mass_b * impulse;
     pair.b.angular_velocity += joint.inv_inertia_b * cross(arm_b, impulse);
   }
-  Vec2 mobility_times(Vec2 p) const { return {k11 * p.x + k12 * p.y, k12 * p.x + k22 * p.y}; }
   /// K^-1 v by Cramer's rule.
   Vec2 solved(Vec2 v) const {
     const Real inv_determinant = 1 / determinant;

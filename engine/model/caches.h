@@ -65,8 +65,9 @@ struct CacheCounts {
 using CacheReport = std::array<CacheCounts, cache_kind_count>;
 
 /// One cached structure: a class with a key; no other code writes its fields. Derived classes have `valid_for(key)`,
-/// which tells whether the structure is valid, and `rebuild`, which makes it for a key. Any value of `CellSide` is
-/// valid; the value expires after some ticks.
+/// which tells whether the structure is valid, and `rebuild`, which makes it for a key. Three differ: any value of
+/// `CellSide` is valid, and expires after some ticks; `ContactPlaces` holds a guess, which needs no key; `PairBlocks`
+/// hands out its blocks, which the narrow phase tests and fills.
 class TickCache {
  public:
   explicit TickCache(CacheKind kind) : kind_(kind) {}

@@ -94,7 +94,6 @@ class LastState {
   void find_changed(std::span<const ImageTable> tables, bool is_whole, std::vector<std::uint32_t>& changed) const;
   void keep(std::span<const ImageTable> tables, std::span<const std::uint32_t> changed, bool is_whole,
             std::uint64_t ticks_done);
-  std::uint64_t size_with(std::span<const ImageTable> tables) const;
 
  private:
   bool has_state_ = false;

@@ -48,7 +48,6 @@ class Session : public replay::InputSource {
   bool shows_help() const { return help_; }
   const std::optional<engine::Point>& pull() const { return pull_; }  // where the pointer pulls to, while it holds
   std::uint64_t input_count() const { return input_count_; }
-  const engine::ClockReport& clock_report() const { return clock_.report; }
 
  private:
   enum class Action : std::uint8_t { press, drag, release, spawn };

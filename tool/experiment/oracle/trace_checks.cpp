@@ -171,10 +171,4 @@ std::optional<Finding> run_trace_variant(const RunContext& context, const BaseRu
   return TraceRun(context, base, variant, files).run();
 }
 
-std::string trace_variant_text(const Variant& variant, std::uint64_t tick_count) {
-  const TraceDraw draw = draw_of(variant, tick_count);
-  return "record --detail " + std::string(replay::detail_info(draw.choices.detail).name) + " --checkpoint-interval " +
-         std::to_string(draw.choices.checkpoint_interval) + ", verify " + options_text(draw);
-}
-
 }  // namespace ticktrue::soak

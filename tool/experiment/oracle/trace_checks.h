@@ -19,7 +19,4 @@ struct TraceFiles {
 std::optional<Finding> run_trace_variant(const RunContext& context, const BaseRun& base, const Variant& variant,
                                          const TraceFiles& files);
 
-/// The request to verify in a variant of check trace, as command-line options.
-std::string trace_variant_text(const Variant& variant, std::uint64_t tick_count);
-
 }  // namespace ticktrue::soak

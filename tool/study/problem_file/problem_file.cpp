@@ -73,7 +73,7 @@ class ProblemReader final : public OwnFileReader {
         {"name", text(out.name)},
         {"summary", text(out.summary)},
         {"scene", [&](const JsonValue& v, const JsonPath&) { return (out.scene = &v) != nullptr; }, true},
-        {"duration", [&](const JsonValue& v, const JsonPath& p) { return positive(v, p, out.duration); }, true},
+        {"duration", [&](const JsonValue& v, const JsonPath& p) { return read_duration(v, p, out.duration); }, true},
         whole("samples", sample_range, out.sample_count),
         {"observe", texts(out.observe), true},
         {"exact", texts(out.exact)},

@@ -30,6 +30,13 @@ bool OwnFileReader::positive(const JsonValue& value, const JsonPath& path, doubl
   return out > 0 || fail(path, "found " + engine::number_text(out) + ", expected a number above 0");
 }
 
+bool OwnFileReader::read_duration(const engine::JsonValue& value, const engine::JsonPath& path, double& out) {
+  constexpr double duration_max = 1e6;
+  if (!positive(value, path, out)) return false;
+  return out <= duration_max || fail(path, "found " + engine::number_text(out) + " s, expected at most " +
+                                               engine::number_text(duration_max) + " s");
+}
+
 bool OwnFileReader::is_own_kind(const JsonValue& root, const std::string& own_command, std::string_view other_key,
                                 const std::string& other_command) {
   const JsonPath path;

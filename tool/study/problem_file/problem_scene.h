@@ -24,6 +24,7 @@ class OwnFileReader : public engine::JsonReader {
 
  protected:
   bool positive(const engine::JsonValue& value, const engine::JsonPath& path, double& out);
+  bool read_duration(const engine::JsonValue& value, const engine::JsonPath& path, double& out);  // s
   /// Refuses a scene, and a file with this key, which another command reads.
   bool is_own_kind(const engine::JsonValue& root, const std::string& own_command, std::string_view other_key,
                    const std::string& other_command);

@@ -75,7 +75,7 @@ class StressReader final : public OwnFileReader {
         {"name", text(out.name)},
         {"what", text(out.what)},
         {"scene", [&](const JsonValue& v, const JsonPath&) { return (out.scene = &v) != nullptr; }, true},
-        {"duration", [&](const JsonValue& v, const JsonPath& p) { return positive(v, p, out.duration); }, true},
+        {"duration", [&](const JsonValue& v, const JsonPath& p) { return read_duration(v, p, out.duration); }, true},
         {"from", number(out.from)},
         {"measure", text(out.measure), true},
         {"over", [&](const JsonValue& v, const JsonPath& p) { return choice(v, p, overs, out.over); }},
