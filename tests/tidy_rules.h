@@ -243,7 +243,7 @@ inline constexpr Room rooms[] = {
     {"tool/corpus", "below,tool/session"},
     {"tool/corpus/run", "below,tool/corpus"},
     {"tool/report_page", "below,tool/drawing,tool/output,tool/session"},
-    {"tool/crosscheck", "below,tool/box2d,tool/box2d3"},
+    {"tool/crosscheck", "below,tool/box2d,tool/box2d3,tool/drawing"},
     {"tool/study", "below,tool/box2d,tool/box2d3,tool/crosscheck,tool/drawing,tool/session"},
     {"tool/study/stress", "below,tool/study"},
     {"tool/study/problem_file", "below,tool/expression,tool/output,tool/session,tool/study,tool/study/stress"},

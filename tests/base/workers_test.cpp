@@ -51,7 +51,7 @@ TEST_CASE("a build without threads says so", "[base][workers]") {
 }
 
 TEST_CASE("every element of a range is visited once, by any number of threads", "[base][workers][determinism]") {
-  if (!has_threads()) return;
+  SKIP_UNLESS(has_threads(), "a build without threads");
   for (const unsigned thread_count : {2u, 3u, 4u, 8u}) {
     const auto workers = *make_workers(thread_count);
     CHECK(workers->width() == thread_count);
@@ -66,7 +66,7 @@ TEST_CASE("every element of a range is visited once, by any number of threads", 
 }
 
 TEST_CASE("threads that fell asleep between runs come again", "[base][workers]") {
-  if (!has_threads()) return;
+  SKIP_UNLESS(has_threads(), "a build without threads");
   const auto workers = *make_workers(2);
   static thread_local char here;
   const char* const caller = &here;
@@ -86,7 +86,7 @@ TEST_CASE("threads that fell asleep between runs come again", "[base][workers]")
 }
 
 TEST_CASE("what chunks write is seen by the caller and by the next run", "[base][workers][determinism]") {
-  if (!has_threads()) return;
+  SKIP_UNLESS(has_threads(), "a build without threads");
   const auto workers = *make_workers(4);
   const Parallel parallel{workers.get()};
   std::vector<std::uint64_t> numbers(500, 1);

@@ -274,6 +274,9 @@ TEST_CASE("scenes, stages, columns and the machine are described", "[cli][upkeep
 TEST_CASE("compare, accuracy and stress print what they found, and refuse what they cannot do", "[cli][study]") {
   run_cases("study.case");
 }
+TEST_CASE("what a user's file claims is judged or told, and joints tell all that they hold", "[cli][study]") {
+  run_cases("claims.case");
+}
 TEST_CASE("each command that a message prints can be run as it stands", "[cli][hints][equivalence]") {
   run_cases("hints.case");
 }

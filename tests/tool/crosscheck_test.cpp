@@ -8,6 +8,7 @@
 #include "tests/support/box2d.h"
 #include "tests/support/catch.h"
 #include "tests/support/scenes.h"
+#include "tool/study/worlds.h"
 
 using namespace ticktrue;
 using namespace ticktrue::test;
@@ -23,7 +24,7 @@ engine::BodyReport report_of(const Scene& scene, std::uint32_t id) {
   engine::BodyReport report;
   report.id = id;
   report.type = scene.bodies[id].type;
-  report.center = scene.bodies[id].position;
+  report.center = report.origin = scene.bodies[id].position;
   report.angle = scene.bodies[id].angle;
   report.mass = report.type == BodyType::dynamic_body ? 1 : 0;
   report.inertia = report.type == BodyType::dynamic_body ? 1.0 / 6 : 0;
@@ -214,6 +215,23 @@ TEST_CASE("a deep overlap is expected only as far as soft contacts give under th
   CHECK(verdict_of(tool::compare_runs(layout, soft, box2d, skin), "deepest overlap") == tool::Agreement::expected);
   const std::vector<tool::CrosscheckRun> hard(2, run_of(layout, bodies, contacts, 0));
   CHECK(verdict_of(tool::compare_runs(layout, hard, box2d, skin), "deepest overlap") == tool::Agreement::differ);
+}
+
+TEST_CASE("joints that gape differ from joints that hold", "[verifier][crosscheck][analytic]") {
+  Scene scene = worlds::chain(engine::Precision::f32, 4, {1, 0}, 1);
+  const tool::CrosscheckLayout layout = tool::make_layout(scene);
+  const std::vector<tool::CrosscheckRun> hold(2, run_of(layout, reports_of(scene), {}));
+  CHECK(verdict_of(tool::compare_runs(layout, hold, hold, skin), "joints hold") == tool::Agreement::agree);
+  scene.bodies.back().position.x += 0.1 * layout.size;
+  const std::vector<tool::CrosscheckRun> gape(2, run_of(layout, reports_of(scene), {}));
+  const tool::CriterionResult row = row_of(tool::compare_runs(layout, gape, hold, skin), "joints hold");
+  CHECK(row.verdict == tool::Agreement::differ);
+  CHECK(row.ours.front() == Approx(10));
+  CHECK(row.box2d.front() == Approx(0).margin(1e-9));
+  const tool::CrosscheckLayout stack = tool::make_layout(stack_scene(2));
+  const std::vector<tool::CrosscheckRun> stands(2, stack_run(stack, 2, 0));
+  for (const tool::CriterionResult& each : tool::compare_runs(stack, stands, stands, skin))
+    CHECK(each.criterion != "joints hold");
 }
 
 TEST_CASE("a stack that fell differs from one that stands on what a person would see",

@@ -9,6 +9,7 @@
 #include <array>
 #include <cstdint>
 #include <functional>
+#include <memory>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -54,6 +55,7 @@ struct CrosscheckLayout {
   double height = 0;          // m, of the highest centre of mass above the base after the drop, at least `size`
   double rest_speed = 0;      // m/s: a slower body counts as at rest
   std::vector<std::vector<std::uint32_t>> body_rows;  // bodies that touch side by side, from left to right
+  std::shared_ptr<const engine::Scene> jointed;       // the scene, if it has joints
 };
 CrosscheckLayout make_layout(const engine::Scene& scene);
 
@@ -81,6 +83,7 @@ struct CrosscheckRun {
   double penetration_unexplained = 0;  // the same, minus the overlap that the contact forces cause in soft contacts
   std::vector<double> travel;          // m across, of each remaining dynamic body, ascending
   std::vector<double> travel_closed;   // the same without the gaps that the skin opened inside rows
+  double joint_gap = 0;                // m, the largest in the last second
   double ground_force = 0;             // upward force of static bodies over the total weight
   bool ground_is_flat = false;         // the ground force comes from level contacts only
   double column_error = 0;  // largest relative error of the force under a body of a column, against the weight above
@@ -134,6 +137,7 @@ class CrosscheckMeasure {
   std::vector<engine::BodyReport> last_bodies_;
   std::vector<engine::ContactReport> last_contacts_;
   std::size_t contact_sample_count_ = 0;
+  double joint_gap_ = 0;  // m
   double penetration_sum_ = 0;
   double penetration_unexplained_sum_ = 0;
   double ground_up_sum_ = 0;         // N

@@ -24,6 +24,7 @@ constexpr double tilt_tolerance_deg = 3;
 constexpr double settle_tolerance_share = 0.25;
 constexpr double settle_tolerance_min_s = 2;
 constexpr double penetration_tolerance = 0.02;  // of the smaller body's size
+constexpr double joint_tolerance = 0.02;        // of a body's size
 constexpr double travel_tolerance_share = 0.025;
 constexpr double travel_tolerance_min = 0.05;  // of a body's size
 constexpr double force_tolerance = 0.02;       // of the weight
@@ -250,6 +251,11 @@ struct Judge {
     row.reason = fmt::format("{}soft contacts give way by force / (stiffness * mass); without that {:.2f} %",
                              is_deeper ? "" : "Box2D's ", is_deeper ? ours_rest : box2d_rest);
     return row;
+  }
+
+  CriterionResult joints() const {
+    const auto gap = [&](const CrosscheckRun& run) { return 100 * run.joint_gap / layout.size; };
+    return compare_means("joints hold", "% of size", each(ours, gap), each(box2d, gap), 100 * joint_tolerance);
   }
 
   CriterionResult travel_by(std::vector<double> CrosscheckRun::*field) const {
@@ -488,6 +494,7 @@ std::vector<CriterionResult> compare_runs(const CrosscheckLayout& layout, const 
   std::vector<CriterionResult> rows{judge.stands(), judge.standing(), judge.top(),         judge.order(),
                                     judge.tilt(),   judge.settle(),   judge.penetration(), judge.travel(),
                                     judge.column(), judge.ground()};
+  if (layout.jointed && layout.size > 0) rows.push_back(judge.joints());
   for (CriterionResult& row : compare_bodies(layout, ours, box2d, {}, {}, box2d_skin)) rows.push_back(std::move(row));
   return rows;
 }

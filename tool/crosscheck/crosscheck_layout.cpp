@@ -216,6 +216,7 @@ void find_rows(const std::vector<Outlines>& outlines, CrosscheckLayout& layout) 
 
 CrosscheckLayout make_layout(const engine::Scene& scene) {
   CrosscheckLayout layout;
+  if (!scene.joints.empty()) layout.jointed = std::make_shared<const engine::Scene>(scene);
   layout.gravity = std::hypot(scene.gravity.x, scene.gravity.y);
   if (layout.gravity > 0) {
     layout.up = {-scene.gravity.x / layout.gravity, -scene.gravity.y / layout.gravity};

@@ -6,6 +6,7 @@
 
 #include "engine/math/trig.h"
 #include "tool/crosscheck/crosscheck.h"
+#include "tool/drawing/joint_geometry.h"
 
 namespace ticktrue::tool {
 namespace {
@@ -73,6 +74,8 @@ void CrosscheckMeasure::add(double time_s, const std::vector<BodyReport>& bodies
     if (speed > place_speed_max) fast_until_s_[body.id] = time_s;
   }
   last_bodies_ = bodies;
+  if (contacts && layout_.jointed)
+    for (const double gap : joint_gaps(*layout_.jointed, bodies)) joint_gap_ = std::max(joint_gap_, gap);
   if (contacts && is_finite_) add_contacts(bodies, *contacts);
 }
 
@@ -186,6 +189,7 @@ CrosscheckRun CrosscheckMeasure::finish() const {
     if (still_moving) run.settle_s = std::numeric_limits<double>::infinity();
   }
 
+  run.joint_gap = joint_gap_;
   if (contact_sample_count_ > 0) {
     const double samples = static_cast<double>(contact_sample_count_);
     run.penetration = penetration_sum_ / samples;

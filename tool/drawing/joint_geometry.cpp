@@ -4,12 +4,16 @@
 
 #include <cmath>
 
-namespace ticktrue::tool {
-namespace {
+#include "engine/math/trig.h"
 
+namespace ticktrue::tool {
+
+using engine::BodyReport;
 using engine::Joint;
 using engine::JointKind;
 using engine::Point;
+
+namespace {
 
 double between_anchors(const Joint&, const JointPlaces& places) {
   return std::hypot(places.anchor_b.x - places.anchor_a.x, places.anchor_b.y - places.anchor_a.y);
@@ -90,6 +94,37 @@ double joint_gap(const Joint& joint, const JointPlaces& places) {
 
 JointLines joint_lines(const Joint& joint, const JointPlaces& places) {
   return info_of(table, joint.kind).lines(joint, places);
+}
+
+namespace {
+
+Point turned(double angle, const Point& p) {
+  const engine::SinCos turn = engine::sin_cos(angle);
+  return {turn.cos * p.x - turn.sin * p.y, turn.sin * p.x + turn.cos * p.y};
+}
+
+Point place_of(const BodyReport& body, const Point& anchor) {
+  const Point arm = turned(body.angle, anchor);
+  return {body.origin.x + arm.x, body.origin.y + arm.y};
+}
+
+JointPlaces places_of(const Joint& joint, const BodyReport& a, const BodyReport& b) {
+  return {place_of(a, joint.anchor_a), place_of(b, joint.anchor_b), turned(a.angle, joint.axis)};
+}
+
+}  // namespace
+
+std::vector<double> joint_gaps(const engine::Scene& scene, const std::vector<BodyReport>& bodies) {
+  std::vector<const BodyReport*> by_id(scene.bodies.size(), nullptr);
+  for (const BodyReport& body : bodies)
+    if (body.id < by_id.size()) by_id[body.id] = &body;
+  std::vector<double> gaps;
+  for (const Joint& joint : scene.joints) {
+    const BodyReport* b = by_id[joint.body_b];
+    const BodyReport* a = engine::has_body_a(joint.kind) ? by_id[joint.body_a] : b;
+    gaps.push_back(a && b ? joint_gap(joint, places_of(joint, *a, *b)) : 0);
+  }
+  return gaps;
 }
 
 }  // namespace ticktrue::tool

@@ -3,7 +3,9 @@
 #pragma once
 
 #include <array>
+#include <vector>
 
+#include "engine/engine.h"
 #include "engine/scene/scene.h"
 
 namespace ticktrue::tool {
@@ -28,6 +30,11 @@ engine::Joint shown_joint(const engine::Scene& scene, const engine::Joint& joint
 /// The position error of a joint, m: the distance from its rigid constraints, without limits and angles; 0 for a
 /// gear.
 double joint_gap(const engine::Joint& joint, const JointPlaces& places);
+
+/// The position error of each joint of the scene, m: distance of the anchors (revolute, weld), distance from the axis
+/// (prismatic, wheel), error of the length (rigid distance) or of the length of the rope (pulley). The error of any
+/// other joint is 0. If a body of a joint no longer exists, the error of the joint is 0.
+std::vector<double> joint_gaps(const engine::Scene& scene, const std::vector<engine::BodyReport>& bodies);
 
 /// The lines that a picture draws between the anchors of a joint.
 JointLines joint_lines(const engine::Joint& joint, const JointPlaces& places);

@@ -18,6 +18,19 @@ std::string cell(double value) {
 
 }  // namespace
 
+namespace {
+
+/// Whether body `i` is already the other one of `contacts.*.1.overlap` or `contacts.1.*.overlap`. `star`: of ".*.".
+bool is_other_of_contact(const std::string& name, std::size_t star, std::size_t i, const engine::Scene& scene) {
+  const std::string part = "contacts";
+  if (name.compare(0, part.size(), part) != 0 || i >= scene.bodies.size()) return false;
+  const std::string other = star == part.size() ? name.substr(star + 3, name.find('.', star + 3) - star - 3)
+                                                : name.substr(part.size() + 1, star - part.size() - 1);
+  return other == std::to_string(i) || (!scene.bodies[i].name.empty() && other == scene.bodies[i].name);
+}
+
+}  // namespace
+
 Result<CsvColumns> CsvColumns::make(const std::vector<std::string>& names, const engine::Scene& scene,
                                     const std::string& option) {
   CsvColumns columns;
@@ -33,11 +46,13 @@ Result<CsvColumns> CsvColumns::make(const std::vector<std::string>& names, const
     }
     const bool is_joint = name.substr(0, star) == "joints";
     const std::size_t count = is_joint ? scene.joints.size() : scene.bodies.size();
-    for (std::size_t i = 0; i < count; ++i)
+    for (std::size_t i = 0; i < count; ++i) {
+      if (is_other_of_contact(name, star, i, scene)) continue;
       if (const Status added =
               columns.add(name.substr(0, star + 1) + std::to_string(i) + name.substr(star + 2), scene, option);
           !added)
         return added.error();
+    }
   }
   return columns;
 }

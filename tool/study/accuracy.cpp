@@ -258,7 +258,12 @@ void judge_curve(const Problem& problem, AccuracyCurve& curve) {
       curve.judgement.reason = "target_error bounds how far contacts and joints give way, not the order of time steps";
     const bool promises_target = problem.is_own || (problem.slope && *problem.slope == 2);
     if (broken != curve.points.end() && promises_target)
-      curve.judgement = {StudyVerdict::fail, {}, {}, "target_error is not kept"};
+      curve.judgement = {StudyVerdict::fail,
+                         {},
+                         {},
+                         problem.is_own ? "target_error is not kept; leave size out where bodies move freely, since it "
+                                          "bounds no errors of time"
+                                        : "target_error is not kept"};
     return;
   }
   curve.judgement = judge(expectation_of(problem, curve.method), steps, errors, floors);

@@ -8,9 +8,6 @@
 #include <chrono>
 #include <cmath>
 
-#include "engine/math/trig.h"
-#include "tool/drawing/joint_geometry.h"
-
 namespace ticktrue::tool {
 
 using engine::BodyReport;
@@ -49,37 +46,6 @@ double deepest_overlap(const std::vector<engine::ContactReport>& contacts) {
   for (const engine::ContactReport& contact : contacts)
     for (int i = 0; i < contact.point_count; ++i) deepest = std::max(deepest, -contact.separation[i]);
   return deepest;
-}
-
-namespace {
-
-Point turned(double angle, const Point& p) {
-  const engine::SinCos turn = engine::sin_cos(angle);
-  return {turn.cos * p.x - turn.sin * p.y, turn.sin * p.x + turn.cos * p.y};
-}
-
-Point place_of(const BodyReport& body, const Point& anchor) {
-  const Point arm = turned(body.angle, anchor);
-  return {body.origin.x + arm.x, body.origin.y + arm.y};
-}
-
-JointPlaces places_of(const Joint& joint, const BodyReport& a, const BodyReport& b) {
-  return {place_of(a, joint.anchor_a), place_of(b, joint.anchor_b), turned(a.angle, joint.axis)};
-}
-
-}  // namespace
-
-std::vector<double> joint_gaps(const engine::Scene& scene, const Bodies& bodies) {
-  std::vector<const BodyReport*> by_id(scene.bodies.size(), nullptr);
-  for (const BodyReport& body : bodies)
-    if (body.id < by_id.size()) by_id[body.id] = &body;
-  std::vector<double> gaps;
-  for (const Joint& joint : scene.joints) {
-    const BodyReport* b = by_id[joint.body_b];
-    const BodyReport* a = engine::has_body_a(joint.kind) ? by_id[joint.body_a] : b;
-    gaps.push_back(a && b ? joint_gap(joint, places_of(joint, *a, *b)) : 0);
-  }
-  return gaps;
 }
 
 double largest(const std::vector<double>& values) {

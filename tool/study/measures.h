@@ -12,6 +12,7 @@
 
 #include "base/result.h"
 #include "engine/engine.h"
+#include "tool/drawing/joint_geometry.h"
 
 namespace ticktrue::tool {
 
@@ -24,10 +25,6 @@ double energy_of(const engine::Scene& scene, const Bodies& bodies);
 engine::Point momentum_of(const Bodies& bodies);
 /// Deepest overlap of two shapes, m; 0 if none.
 double deepest_overlap(const std::vector<engine::ContactReport>& contacts);
-/// The position error of each joint of the scene, m: distance of the anchors (revolute, weld), distance from the axis
-/// (prismatic, wheel), error of the length (rigid distance) or of the length of the rope (pulley). The error of any
-/// other joint is 0. If a body of a joint no longer exists, the error of the joint is 0.
-std::vector<double> joint_gaps(const engine::Scene& scene, const Bodies& bodies);
 double largest(const std::vector<double>& values);
 /// The largest substep count of the state's table `substeps`; 0 without one.
 int substeps_most(const engine::Engine& engine);
