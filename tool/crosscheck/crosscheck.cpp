@@ -258,7 +258,7 @@ class Comparison {
   Result<std::vector<CriterionResult>> judge(SolverKind solver, const std::vector<CrosscheckRun>& ours,
                                              const std::vector<CrosscheckRun>& box2d, double skin) {
     std::vector<CriterionResult> rows = compare_runs(layout_, ours, box2d, skin);
-    if (!has_difference(rows) && !layout_.is_structure) return rows;
+    if (!has_difference(rows) && !layout_.is_structure && !layout_.jointed) return rows;
     const std::size_t level_count = layout_.dynamic_count > finest_body_count_max ? 1 : finer_.size();
     const Result<const std::vector<CrosscheckRun>*> finest = box2d_finer(level_count - 1);
     if (!finest) return finest.error();
@@ -380,8 +380,8 @@ void judge_by_finest(std::vector<CriterionResult>& rows, const std::vector<Crite
       row.verdict = Agreement::expected;
       row.reason = fmt::format("Box2D has not converged: with {} steps a tick it {}, and ours lies between",
                                steps_per_tick, outcome_text(row, fine.box2d));
-    } else if (row.criterion == stands_criterion && row.verdict == Agreement::agree &&
-               fine.verdict == Agreement::differ) {
+    } else if ((row.criterion == stands_criterion || row.criterion == joints_criterion) &&
+               row.verdict == Agreement::agree && fine.verdict == Agreement::differ) {
       row.verdict = Agreement::differ;
       row.difference = fine.difference;
       row.reason = fmt::format("Box2D has not converged: with {} steps a tick it {}", steps_per_tick,

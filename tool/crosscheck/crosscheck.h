@@ -147,6 +147,7 @@ class CrosscheckMeasure {
 };
 
 inline constexpr std::string_view stands_criterion = "stands or falls";
+inline constexpr std::string_view joints_criterion = "joints hold";
 
 /// One criterion of one solver.
 struct CriterionResult {

@@ -255,7 +255,8 @@ struct Judge {
 
   CriterionResult joints() const {
     const auto gap = [&](const CrosscheckRun& run) { return 100 * run.joint_gap / layout.size; };
-    return compare_means("joints hold", "% of size", each(ours, gap), each(box2d, gap), 100 * joint_tolerance);
+    return compare_means(std::string(joints_criterion), "% of size", each(ours, gap), each(box2d, gap),
+                         100 * joint_tolerance);
   }
 
   CriterionResult travel_by(std::vector<double> CrosscheckRun::*field) const {
