@@ -120,7 +120,7 @@ std::string hash_text(const Result<Timing>& timing) {
 // ---- 3.1: shapes and integrators ----
 
 Status performance() {
-  tool::TextTable table(
+  TextTable table(
       {"bodies", "shapes", "integrator", "thesis ms", "impulse ms", "tgs_soft ms", "touching", "impulse", "tgs_soft"},
       3);
   for (const int count : {150, 1000, 10000}) {
@@ -154,7 +154,7 @@ Status broad_phase() {
   std::vector<std::string> head{"polygons", "thesis off", "thesis on"};
   for (const auto& info : engine::broad_phases) head.emplace_back(info.name);
   head.emplace_back("impulse");
-  tool::TextTable table(std::move(head), 0);
+  TextTable table(std::move(head), 0);
   bool all_same = true;
   for (const int count : {60, 80, 100, 200, 1000, 10000}) {
     const auto known =
@@ -231,7 +231,7 @@ double farthest_px(const Run& a, const Run& b) {
 }
 
 Status determinism() {
-  tool::TextTable table({"clock", "seconds", "thesis px", "impulse px", "tgs_soft px", "replayed"}, 1);
+  TextTable table({"clock", "seconds", "thesis px", "impulse px", "tgs_soft px", "replayed"}, 1);
   for (const auto& clock : engine::clock_kinds)
     for (const ThesisClock& known : clocks) {
       std::vector<std::string> row{std::string(clock.name), fmt::format("{:g}", known.seconds)};

@@ -57,29 +57,29 @@ std::vector<engine::ContactReport> stack_contacts(int count, double gap) {
 }
 
 // A run whose bodies stay at rest at the given places.
-tool::CrosscheckRun run_of(const tool::CrosscheckLayout& layout, const std::vector<engine::BodyReport>& bodies,
-                           const std::vector<engine::ContactReport>& contacts, double contact_hertz = 0) {
-  tool::CrosscheckMeasure measure(layout, contact_hertz, 0.02);
+CrosscheckRun run_of(const CrosscheckLayout& layout, const std::vector<engine::BodyReport>& bodies,
+                     const std::vector<engine::ContactReport>& contacts, double contact_hertz = 0) {
+  CrosscheckMeasure measure(layout, contact_hertz, 0.02);
   measure.add(0.1, bodies, nullptr);
   measure.add(20, bodies, &contacts);
   return measure.finish();
 }
 
 // A stack of `count` boxes with the same gap below each.
-tool::CrosscheckRun stack_run(const tool::CrosscheckLayout& layout, int count, double gap, double contact_hertz = 0) {
+CrosscheckRun stack_run(const CrosscheckLayout& layout, int count, double gap, double contact_hertz = 0) {
   Scene scene = stack_scene(count);
   for (int i = 1; i <= count; ++i) scene.bodies[static_cast<std::size_t>(i)].position.y += gap * i;
   return run_of(layout, reports_of(scene), stack_contacts(count, gap), contact_hertz);
 }
 
-const tool::CriterionResult& row_of(const std::vector<tool::CriterionResult>& rows, const std::string& criterion) {
-  for (const tool::CriterionResult& row : rows)
+const CriterionResult& row_of(const std::vector<CriterionResult>& rows, const std::string& criterion) {
+  for (const CriterionResult& row : rows)
     if (row.criterion == criterion) return row;
   FAIL("no criterion " << criterion);
   return rows.front();
 }
 
-tool::Agreement verdict_of(const std::vector<tool::CriterionResult>& rows, const std::string& criterion) {
+Agreement verdict_of(const std::vector<CriterionResult>& rows, const std::string& criterion) {
   return row_of(rows, criterion).verdict;
 }
 
@@ -89,7 +89,7 @@ constexpr double skin = 0.02;
 
 TEST_CASE("the layout of a stack is one column of placed boxes, each upon the one before",
           "[verifier][crosscheck][analytic]") {
-  const tool::CrosscheckLayout layout = tool::make_layout(stack_scene(5, 0.1));
+  const CrosscheckLayout layout = tool::make_layout(stack_scene(5, 0.1));
   CHECK(layout.placed_count == 5);
   CHECK(layout.is_structure);
   CHECK(layout.is_column);
@@ -99,7 +99,7 @@ TEST_CASE("the layout of a stack is one column of placed boxes, each upon the on
 }
 
 TEST_CASE("the layout of a pyramid has each box on two and a row for each level", "[verifier][crosscheck][analytic]") {
-  const tool::CrosscheckLayout layout = tool::make_layout(pyramid_scene(4));
+  const CrosscheckLayout layout = tool::make_layout(pyramid_scene(4));
   CHECK(layout.placed_count == 10);
   CHECK_FALSE(layout.is_column);
   CHECK(layout.body_rows.size() == 3);  // the top box has no neighbour
@@ -125,7 +125,7 @@ TEST_CASE("a box on a slope is placed, and up is against gravity whichever way t
                      turn.sin * body.position.x + turn.cos * body.position.y};
     body.angle = 0.3;
   }
-  const tool::CrosscheckLayout tilted = tool::make_layout(slope);
+  const CrosscheckLayout tilted = tool::make_layout(slope);
   CHECK(tilted.placed_count == 1);
   CHECK(tilted.bodies[1].drop == Approx(0).margin(1e-9));
 
@@ -137,13 +137,13 @@ TEST_CASE("a box on a slope is placed, and up is against gravity whichever way t
 
 TEST_CASE("a tower that leans within the limits stands, one that fell does not", "[verifier][crosscheck][analytic]") {
   const Scene scene = stack_scene(3);
-  const tool::CrosscheckLayout layout = tool::make_layout(scene);
+  const CrosscheckLayout layout = tool::make_layout(scene);
   std::vector<engine::BodyReport> leaning = reports_of(scene);
   for (int i = 1; i <= 3; ++i) {
     leaning[static_cast<std::size_t>(i)].center.x += 0.1 * i;
     leaning[static_cast<std::size_t>(i)].angle = -0.1;
   }
-  const tool::CrosscheckRun lean = run_of(layout, leaning, stack_contacts(3, 0));
+  const CrosscheckRun lean = run_of(layout, leaning, stack_contacts(3, 0));
   CHECK(lean.standing_count == 3);
   CHECK(lean.stood);
   CHECK(lean.tilt_deg == Approx(5.73).margin(0.01));
@@ -151,7 +151,7 @@ TEST_CASE("a tower that leans within the limits stands, one that fell does not",
   std::vector<engine::BodyReport> fallen = reports_of(scene);
   fallen[3].center = {2, 0.5};
   fallen[3].angle = 1.57;
-  const tool::CrosscheckRun fall = run_of(layout, fallen, {});
+  const CrosscheckRun fall = run_of(layout, fallen, {});
   CHECK(fall.standing_count == 2);
   CHECK_FALSE(fall.stood);
   CHECK(fall.order == Approx(0.5));
@@ -160,48 +160,48 @@ TEST_CASE("a tower that leans within the limits stands, one that fell does not",
 
 TEST_CASE("a body that has left the world does not stand", "[verifier][crosscheck][analytic]") {
   const Scene scene = stack_scene(2);
-  const tool::CrosscheckLayout layout = tool::make_layout(scene);
+  const CrosscheckLayout layout = tool::make_layout(scene);
   std::vector<engine::BodyReport> bodies = reports_of(scene);
   bodies.pop_back();
-  const tool::CrosscheckRun run = run_of(layout, bodies, {});
+  const CrosscheckRun run = run_of(layout, bodies, {});
   CHECK(run.standing_count == 1);
   CHECK(run.tilt_deg == 45);
   CHECK(run.order == 0);
 }
 
 TEST_CASE("equal runs agree on every criterion that applies", "[verifier][crosscheck][equivalence]") {
-  const tool::CrosscheckLayout layout = tool::make_layout(stack_scene(10));
-  const std::vector<tool::CrosscheckRun> runs(5, stack_run(layout, 10, 0));
-  const std::vector<tool::CriterionResult> rows = tool::compare_runs(layout, runs, runs, skin);
+  const CrosscheckLayout layout = tool::make_layout(stack_scene(10));
+  const std::vector<CrosscheckRun> runs(5, stack_run(layout, 10, 0));
+  const std::vector<CriterionResult> rows = tool::compare_runs(layout, runs, runs, skin);
   CHECK(rows.size() == 12);
-  for (const tool::CriterionResult& row : rows) {
+  for (const CriterionResult& row : rows) {
     CAPTURE(row.criterion);
     const bool applies = row.criterion != tool::distance_criterion;  // all bodies rest
-    CHECK(row.verdict == (applies ? tool::Agreement::agree : tool::Agreement::not_applicable));
+    CHECK(row.verdict == (applies ? Agreement::agree : Agreement::not_applicable));
   }
 }
 
 TEST_CASE("a top that is higher by Box2D's skin is expected, one that is higher by more differs",
           "[verifier][crosscheck][analytic]") {
-  const tool::CrosscheckLayout layout = tool::make_layout(stack_scene(10));
-  const std::vector<tool::CrosscheckRun> ours(2, stack_run(layout, 10, -0.003));
-  const std::vector<tool::CrosscheckRun> skinned(2, stack_run(layout, 10, 0.015));
-  const std::vector<tool::CriterionResult> rows = tool::compare_runs(layout, ours, skinned, skin);
-  CHECK(verdict_of(rows, "top height") == tool::Agreement::expected);
+  const CrosscheckLayout layout = tool::make_layout(stack_scene(10));
+  const std::vector<CrosscheckRun> ours(2, stack_run(layout, 10, -0.003));
+  const std::vector<CrosscheckRun> skinned(2, stack_run(layout, 10, 0.015));
+  const std::vector<CriterionResult> rows = tool::compare_runs(layout, ours, skinned, skin);
+  CHECK(verdict_of(rows, "top height") == Agreement::expected);
   CHECK(row_of(rows, "top height").reason.find("skin") != std::string::npos);
 
-  const std::vector<tool::CrosscheckRun> floating(2, stack_run(layout, 10, 0.03));  // thicker than any skin
-  CHECK(verdict_of(tool::compare_runs(layout, ours, floating, skin), "top height") == tool::Agreement::differ);
+  const std::vector<CrosscheckRun> floating(2, stack_run(layout, 10, 0.03));  // thicker than any skin
+  CHECK(verdict_of(tool::compare_runs(layout, ours, floating, skin), "top height") == Agreement::differ);
 
-  std::vector<tool::CrosscheckRun> lifted = skinned;
-  for (tool::CrosscheckRun& run : lifted) run.top += 0.2;  // more than its gaps explain
-  CHECK(verdict_of(tool::compare_runs(layout, ours, lifted, skin), "top height") == tool::Agreement::differ);
+  std::vector<CrosscheckRun> lifted = skinned;
+  for (CrosscheckRun& run : lifted) run.top += 0.2;  // more than its gaps explain
+  CHECK(verdict_of(tool::compare_runs(layout, ours, lifted, skin), "top height") == Agreement::differ);
 }
 
 TEST_CASE("a deep overlap is expected only as far as soft contacts give under their load",
           "[verifier][crosscheck][analytic]") {
-  const tool::CrosscheckLayout layout = tool::make_layout(stack_scene(10));
-  const std::vector<tool::CrosscheckRun> box2d(2, stack_run(layout, 10, 0.015));
+  const CrosscheckLayout layout = tool::make_layout(stack_scene(10));
+  const std::vector<CrosscheckRun> box2d(2, stack_run(layout, 10, 0.015));
   // Force / (w^2 * effective mass) for 90 N between two boxes: 45 N per point, 0.2 kg.
   const double hertz = 13;
   const double stiffness = std::pow(2 * engine::pi * hertz, 2) * 0.2;
@@ -211,118 +211,116 @@ TEST_CASE("a deep overlap is expected only as far as soft contacts give under th
     for (int i = 0; i < 2; ++i) contact.separation[i] = -contact.normal_force[i] / stiffness;
   contacts.erase(contacts.begin());  // contacts with the ground are stiffer
   const std::vector<engine::BodyReport> bodies = reports_of(stack_scene(10));
-  const std::vector<tool::CrosscheckRun> soft(2, run_of(layout, bodies, contacts, hertz));
-  CHECK(verdict_of(tool::compare_runs(layout, soft, box2d, skin), "deepest overlap") == tool::Agreement::expected);
-  const std::vector<tool::CrosscheckRun> hard(2, run_of(layout, bodies, contacts, 0));
-  CHECK(verdict_of(tool::compare_runs(layout, hard, box2d, skin), "deepest overlap") == tool::Agreement::differ);
+  const std::vector<CrosscheckRun> soft(2, run_of(layout, bodies, contacts, hertz));
+  CHECK(verdict_of(tool::compare_runs(layout, soft, box2d, skin), "deepest overlap") == Agreement::expected);
+  const std::vector<CrosscheckRun> hard(2, run_of(layout, bodies, contacts, 0));
+  CHECK(verdict_of(tool::compare_runs(layout, hard, box2d, skin), "deepest overlap") == Agreement::differ);
 }
 
 TEST_CASE("joints that gape differ from joints that hold", "[verifier][crosscheck][analytic]") {
   Scene scene = worlds::chain(engine::Precision::f32, 4, {1, 0}, 1);
-  const tool::CrosscheckLayout layout = tool::make_layout(scene);
-  const std::vector<tool::CrosscheckRun> hold(2, run_of(layout, reports_of(scene), {}));
-  CHECK(verdict_of(tool::compare_runs(layout, hold, hold, skin), "joints hold") == tool::Agreement::agree);
+  const CrosscheckLayout layout = tool::make_layout(scene);
+  const std::vector<CrosscheckRun> hold(2, run_of(layout, reports_of(scene), {}));
+  CHECK(verdict_of(tool::compare_runs(layout, hold, hold, skin), "joints hold") == Agreement::agree);
   scene.bodies.back().position.x += 0.1 * layout.size;
-  const std::vector<tool::CrosscheckRun> gape(2, run_of(layout, reports_of(scene), {}));
-  const tool::CriterionResult row = row_of(tool::compare_runs(layout, gape, hold, skin), "joints hold");
-  CHECK(row.verdict == tool::Agreement::differ);
+  const std::vector<CrosscheckRun> gape(2, run_of(layout, reports_of(scene), {}));
+  const CriterionResult row = row_of(tool::compare_runs(layout, gape, hold, skin), "joints hold");
+  CHECK(row.verdict == Agreement::differ);
   CHECK(row.ours.front() == Approx(10));
   CHECK(row.box2d.front() == Approx(0).margin(1e-9));
-  const tool::CrosscheckLayout stack = tool::make_layout(stack_scene(2));
-  const std::vector<tool::CrosscheckRun> stands(2, stack_run(stack, 2, 0));
-  for (const tool::CriterionResult& each : tool::compare_runs(stack, stands, stands, skin))
+  const CrosscheckLayout stack = tool::make_layout(stack_scene(2));
+  const std::vector<CrosscheckRun> stands(2, stack_run(stack, 2, 0));
+  for (const CriterionResult& each : tool::compare_runs(stack, stands, stands, skin))
     CHECK(each.criterion != "joints hold");
 }
 
 TEST_CASE("a stack that fell differs from one that stands on what a person would see",
           "[verifier][crosscheck][analytic]") {
   const Scene scene = stack_scene(10);
-  const tool::CrosscheckLayout layout = tool::make_layout(scene);
+  const CrosscheckLayout layout = tool::make_layout(scene);
   std::vector<engine::BodyReport> fallen = reports_of(scene);
   for (std::size_t i = 1; i < fallen.size(); ++i) {
     fallen[i].center = {1.2 * static_cast<double>(i), 0.5};
     fallen[i].angle = 1.57;
   }
-  const std::vector<tool::CrosscheckRun> ours(5, run_of(layout, fallen, {}));
-  const std::vector<tool::CrosscheckRun> box2d(5, stack_run(layout, 10, 0.015));
-  const std::vector<tool::CriterionResult> rows = tool::compare_runs(layout, ours, box2d, skin);
+  const std::vector<CrosscheckRun> ours(5, run_of(layout, fallen, {}));
+  const std::vector<CrosscheckRun> box2d(5, stack_run(layout, 10, 0.015));
+  const std::vector<CriterionResult> rows = tool::compare_runs(layout, ours, box2d, skin);
   for (const char* criterion : {"stands or falls", "standing bodies", "top height", "order upwards", "largest tilt",
                                 "slides or holds", "weights in the stack", "weight on the ground"}) {
     CAPTURE(criterion);
-    CHECK(verdict_of(rows, criterion) == tool::Agreement::differ);
+    CHECK(verdict_of(rows, criterion) == Agreement::differ);
   }
 }
 
 TEST_CASE("one seed of five may go the other way, two may not", "[verifier][crosscheck][analytic]") {
-  const tool::CrosscheckLayout layout = tool::make_layout(stack_scene(3));
-  const std::vector<tool::CrosscheckRun> box2d(5, stack_run(layout, 3, 0));
-  std::vector<tool::CrosscheckRun> ours = box2d;
+  const CrosscheckLayout layout = tool::make_layout(stack_scene(3));
+  const std::vector<CrosscheckRun> box2d(5, stack_run(layout, 3, 0));
+  std::vector<CrosscheckRun> ours = box2d;
   ours[0].stood = false;
-  CHECK(verdict_of(tool::compare_runs(layout, ours, box2d, skin), "stands or falls") == tool::Agreement::agree);
+  CHECK(verdict_of(tool::compare_runs(layout, ours, box2d, skin), "stands or falls") == Agreement::agree);
   ours[1].stood = false;
-  CHECK(verdict_of(tool::compare_runs(layout, ours, box2d, skin), "stands or falls") == tool::Agreement::differ);
+  CHECK(verdict_of(tool::compare_runs(layout, ours, box2d, skin), "stands or falls") == Agreement::differ);
 }
 
 TEST_CASE("what never comes to rest differs from what does", "[verifier][crosscheck][analytic]") {
   const Scene scene = stack_scene(1);
-  const tool::CrosscheckLayout layout = tool::make_layout(scene);
+  const CrosscheckLayout layout = tool::make_layout(scene);
   std::vector<engine::BodyReport> bodies = reports_of(scene);
-  const tool::CrosscheckRun resting = run_of(layout, bodies, stack_contacts(1, 0));
+  const CrosscheckRun resting = run_of(layout, bodies, stack_contacts(1, 0));
   CHECK(resting.settle_s == 0);
   bodies[1].velocity.x = 1;
-  const tool::CrosscheckRun moving = run_of(layout, bodies, stack_contacts(1, 0));
+  const CrosscheckRun moving = run_of(layout, bodies, stack_contacts(1, 0));
   CHECK(std::isinf(moving.settle_s));
-  CHECK(verdict_of(tool::compare_runs(layout, {moving}, {resting}, skin), "comes to rest") == tool::Agreement::differ);
-  CHECK(verdict_of(tool::compare_runs(layout, {moving}, {moving}, skin), "comes to rest") == tool::Agreement::agree);
+  CHECK(verdict_of(tool::compare_runs(layout, {moving}, {resting}, skin), "comes to rest") == Agreement::differ);
+  CHECK(verdict_of(tool::compare_runs(layout, {moving}, {moving}, skin), "comes to rest") == Agreement::agree);
 }
 
 TEST_CASE("a slide is compared by its distance, box by box in order", "[verifier][crosscheck][analytic]") {
   Scene scene = slide_scene(10, 0.5);
-  const tool::CrosscheckLayout layout = tool::make_layout(scene);
+  const CrosscheckLayout layout = tool::make_layout(scene);
   const auto slid = [&](double distance) {
     std::vector<engine::BodyReport> bodies = reports_of(scene);
     bodies[1].center.x += distance;
-    return std::vector<tool::CrosscheckRun>(3, run_of(layout, bodies, stack_contacts(1, 0)));
+    return std::vector<CrosscheckRun>(3, run_of(layout, bodies, stack_contacts(1, 0)));
   };
-  CHECK(verdict_of(tool::compare_runs(layout, slid(9.98), slid(9.92), skin), "slides or holds") ==
-        tool::Agreement::agree);
-  CHECK(verdict_of(tool::compare_runs(layout, slid(9.5), slid(9.92), skin), "slides or holds") ==
-        tool::Agreement::differ);
+  CHECK(verdict_of(tool::compare_runs(layout, slid(9.98), slid(9.92), skin), "slides or holds") == Agreement::agree);
+  CHECK(verdict_of(tool::compare_runs(layout, slid(9.5), slid(9.92), skin), "slides or holds") == Agreement::differ);
 }
 
 TEST_CASE("rows that Box2D's skin pushed apart are expected, a pyramid that spreads is not",
           "[verifier][crosscheck][analytic]") {
   const Scene scene = pyramid_scene(12);
-  const tool::CrosscheckLayout layout = tool::make_layout(scene);
+  const CrosscheckLayout layout = tool::make_layout(scene);
   const auto spread = [&](double gap) {
     std::vector<engine::BodyReport> bodies = reports_of(scene);
     for (const std::vector<std::uint32_t>& row : layout.body_rows)
       for (std::size_t i = 0; i < row.size(); ++i)
         bodies[row[i]].center.x += gap * (static_cast<double>(i) - 0.5 * static_cast<double>(row.size() - 1));
-    return std::vector<tool::CrosscheckRun>(2, run_of(layout, bodies, stack_contacts(0, 0)));
+    return std::vector<CrosscheckRun>(2, run_of(layout, bodies, stack_contacts(0, 0)));
   };
-  const std::vector<tool::CrosscheckRun> ours = spread(0);
-  CHECK(verdict_of(tool::compare_runs(layout, ours, spread(0.02), skin), "slides or holds") == tool::Agreement::agree);
-  const std::vector<tool::CriterionResult> rows = tool::compare_runs(layout, spread(0.1), ours, skin);
-  CHECK(verdict_of(rows, "slides or holds") == tool::Agreement::differ);
+  const std::vector<CrosscheckRun> ours = spread(0);
+  CHECK(verdict_of(tool::compare_runs(layout, ours, spread(0.02), skin), "slides or holds") == Agreement::agree);
+  const std::vector<CriterionResult> rows = tool::compare_runs(layout, spread(0.1), ours, skin);
+  CHECK(verdict_of(rows, "slides or holds") == Agreement::differ);
 }
 
 TEST_CASE("a non-finite state differs, whatever else it does", "[verifier][crosscheck][analytic]") {
   const Scene scene = stack_scene(2);
-  const tool::CrosscheckLayout layout = tool::make_layout(scene);
+  const CrosscheckLayout layout = tool::make_layout(scene);
   std::vector<engine::BodyReport> bodies = reports_of(scene);
-  const tool::CrosscheckRun good = run_of(layout, bodies, stack_contacts(2, 0));
+  const CrosscheckRun good = run_of(layout, bodies, stack_contacts(2, 0));
   bodies[2].velocity.y = std::numeric_limits<double>::quiet_NaN();
-  const tool::CrosscheckRun bad = run_of(layout, bodies, stack_contacts(2, 0));
-  const std::vector<tool::CriterionResult> rows = tool::compare_runs(layout, {bad}, {good}, skin);
+  const CrosscheckRun bad = run_of(layout, bodies, stack_contacts(2, 0));
+  const std::vector<CriterionResult> rows = tool::compare_runs(layout, {bad}, {good}, skin);
   REQUIRE(rows.size() == 1);
-  CHECK(rows[0].verdict == tool::Agreement::differ);
+  CHECK(rows[0].verdict == Agreement::differ);
 }
 
 TEST_CASE("jitter shifts bodies by at most a millimetre per metre, seed 0 by nothing",
           "[verifier][crosscheck][analytic]") {
   const Scene scene = stack_scene(10);
-  const tool::CrosscheckLayout layout = tool::make_layout(scene);
+  const CrosscheckLayout layout = tool::make_layout(scene);
   CHECK(tool::jittered_scene(scene, layout, 0) == scene);
   const Scene jittered = tool::jittered_scene(scene, layout, 1);
   CHECK_FALSE(jittered == tool::jittered_scene(scene, layout, 2));
@@ -397,7 +395,7 @@ TEST_CASE("what Box2D cannot do is not applicable, with the reason", "[verifier]
     const auto report = tool::crosscheck(scene, options);
     REQUIRE(report);
     REQUIRE(report->rows.size() == 1);
-    CHECK(report->rows[0].verdict == tool::Agreement::not_applicable);
+    CHECK(report->rows[0].verdict == Agreement::not_applicable);
     CHECK_FALSE(report->rows[0].reason.empty());
     CHECK(report->solvers[0].failed == 0);
   }
@@ -418,9 +416,9 @@ TEST_CASE("seeds and seconds out of range are refused", "[verifier][crosscheck][
 namespace {
 
 // Two boxes on the ground. Box 1 ends `off` from its start. Box 2 ends with a speed, `way` from its start.
-std::vector<tool::CrosscheckRun> ended(const tool::CrosscheckLayout& layout, const Scene& scene,
-                                       std::vector<double> offs, double way = 0) {
-  std::vector<tool::CrosscheckRun> runs;
+std::vector<CrosscheckRun> ended(const CrosscheckLayout& layout, const Scene& scene, std::vector<double> offs,
+                                 double way = 0) {
+  std::vector<CrosscheckRun> runs;
   for (const double off : offs) {
     std::vector<engine::BodyReport> bodies = reports_of(scene);
     bodies[1].center.x += off;
@@ -442,39 +440,38 @@ Scene two_boxes() {
 TEST_CASE("what rests in both rests within 2 cm or differs, unless Box2D's seeds scatter or smaller steps move it",
           "[verifier][crosscheck][analytic]") {
   const Scene scene = two_boxes();
-  const tool::CrosscheckLayout layout = tool::make_layout(scene);
+  const CrosscheckLayout layout = tool::make_layout(scene);
   const auto runs = [&](std::vector<double> offs) { return ended(layout, scene, std::move(offs)); };
-  const auto place = [&](const auto& ours, const auto& box2d,
-                         const std::vector<std::vector<tool::CrosscheckRun>>& finer,
-                         const std::vector<std::vector<tool::CrosscheckRun>>& own_finer) {
+  const auto place = [&](const auto& ours, const auto& box2d, const std::vector<std::vector<CrosscheckRun>>& finer,
+                         const std::vector<std::vector<CrosscheckRun>>& own_finer) {
     return tool::compare_bodies(layout, ours, box2d, finer, own_finer, skin)[0];
   };
-  CHECK(place(runs({0, 0}), runs({0.019, 0.019}), {}, {}).verdict == tool::Agreement::agree);
-  CHECK(place(runs({0, 0}), runs({0.021, 0.021}), {}, {}).verdict == tool::Agreement::differ);
+  CHECK(place(runs({0, 0}), runs({0.019, 0.019}), {}, {}).verdict == Agreement::agree);
+  CHECK(place(runs({0, 0}), runs({0.021, 0.021}), {}, {}).verdict == Agreement::differ);
   CHECK(place(runs({0, 0}), runs({0.021, 0.021}), {}, {}).unit == "m, 2 of 2");
   // Box2D's own seeds are 3 cm apart. Box 1 has no certain place, so only box 2 is judged.
-  CHECK(place(runs({0, 0}), runs({0.1, 0.13}), {}, {}).verdict == tool::Agreement::agree);
+  CHECK(place(runs({0, 0}), runs({0.1, 0.13}), {}, {}).verdict == Agreement::agree);
   CHECK(place(runs({0, 0}), runs({0.1, 0.13}), {}, {}).unit == "m, 1 of 2");
   // The spread of the engine's own runs does not widen the tolerance.
-  CHECK(place(runs({0, 0.1}), runs({0, 0}), {}, {}).verdict == tool::Agreement::differ);
-  CHECK(place(runs({0, 0}), runs({0.1, 0.1}), {runs({0.01, 0.01})}, {}).verdict == tool::Agreement::expected);
+  CHECK(place(runs({0, 0.1}), runs({0, 0}), {}, {}).verdict == Agreement::differ);
+  CHECK(place(runs({0, 0}), runs({0.1, 0.1}), {runs({0.01, 0.01})}, {}).verdict == Agreement::expected);
   CHECK(place(runs({0, 0}), runs({0.1, 0.1}), {runs({0.2, 0.2})}, {}).unit == "m, 1 of 2");
-  CHECK(place(runs({0, 0}), runs({0.1, 0.1}), {runs({0.1, 0.1})}, {runs({0, 0})}).verdict == tool::Agreement::differ);
+  CHECK(place(runs({0, 0}), runs({0.1, 0.1}), {runs({0.1, 0.1})}, {runs({0, 0})}).verdict == Agreement::differ);
   CHECK(place(runs({0, 0}), runs({0.1, 0.1}), {runs({0.1, 0.1})}, {runs({0.05, 0.05})}).unit == "m, 1 of 2");
 }
 
 TEST_CASE("what still moves has come as far within 10 % or 1 m", "[verifier][crosscheck][analytic]") {
   const Scene scene = two_boxes();
-  const tool::CrosscheckLayout layout = tool::make_layout(scene);
+  const CrosscheckLayout layout = tool::make_layout(scene);
   const auto way = [&](double own, double theirs) {
     return tool::compare_bodies(layout, ended(layout, scene, {0, 0}, own), ended(layout, scene, {0, 0}, theirs), {}, {},
                                 skin)[1];
   };
-  CHECK(way(30, 32.9).verdict == tool::Agreement::agree);
-  CHECK(way(30, 34).verdict == tool::Agreement::differ);
-  CHECK(way(1, 1.9).verdict == tool::Agreement::agree);
-  CHECK(way(1, 2.1).verdict == tool::Agreement::differ);
-  CHECK(way(0, 0).verdict == tool::Agreement::not_applicable);
+  CHECK(way(30, 32.9).verdict == Agreement::agree);
+  CHECK(way(30, 34).verdict == Agreement::differ);
+  CHECK(way(1, 1.9).verdict == Agreement::agree);
+  CHECK(way(1, 2.1).verdict == Agreement::differ);
+  CHECK(way(0, 0).verdict == Agreement::not_applicable);
 }
 
 // ---- Joints of the peer ----

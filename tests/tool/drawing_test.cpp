@@ -47,8 +47,8 @@ TEST_CASE("drawing: bodies stand where the engine says, in both precisions", "[v
     const Scene scene = all_shapes(precision);
     const auto engine = engine::make_engine(scene);
     REQUIRE(engine.has_value());
-    const tool::Drawing drawing(scene, *(*engine)->state().schema);
-    std::vector<tool::DrawnBody> drawn;
+    const Drawing drawing(scene, *(*engine)->state().schema);
+    std::vector<DrawnBody> drawn;
     for (int tick = 0; tick < 40; ++tick) {
       drawing.read((*engine)->state(), drawn);
       const auto bodies = (*engine)->bodies();
@@ -104,8 +104,8 @@ TEST_CASE("drawing: a body that is not finite is marked, spawned ones have their
   const auto engine = engine::make_engine(scene);
   REQUIRE(engine.has_value());
   const StateView& state = (*engine)->state();
-  const tool::Drawing drawing(scene, *state.schema);
-  std::vector<tool::DrawnBody> drawn;
+  const Drawing drawing(scene, *state.schema);
+  std::vector<DrawnBody> drawn;
   drawing.read(state, drawn);
   REQUIRE(drawn.size() == 1);
   CHECK(drawn[0].is_finite);

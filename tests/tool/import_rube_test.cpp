@@ -21,14 +21,14 @@ using engine::ShapeKind;
 using tool::import_rube;
 using tool::RubeImport;
 
-tool::RubeImport imported(const std::string& json) {
-  const auto result = tool::import_rube(json, "f.json", "f");
+RubeImport imported(const std::string& json) {
+  const auto result = import_rube(json, "f.json", "f");
   INFO((result ? "" : result.error().message));
   REQUIRE(result.has_value());
   return *result;
 }
 Error refused(const std::string& json) {
-  const auto result = tool::import_rube(json, "f.json", "f");
+  const auto result = import_rube(json, "f.json", "f");
   REQUIRE(!result.has_value());
   CHECK(result.error().message.find('\n') == std::string::npos);
   return result.error();
@@ -44,18 +44,18 @@ std::string body_with(const std::string& fixture) {
   return world_of(R"({"name":"b","type":0,"awake":true,"fixture":[{)" + fixture + "}]}");
 }
 Shape shape_with(const std::string& fixture) {
-  const tool::RubeImport import = imported(body_with(fixture));
+  const RubeImport import = imported(body_with(fixture));
   REQUIRE(import.scene.bodies.at(0).shapes.size() == 1);
   return import.scene.bodies[0].shapes[0];
 }
-tool::RubeImport joined(const std::string& joint) {
+RubeImport joined(const std::string& joint) {
   const std::string two = R"({"name":"ground","type":0,)" + disc +
                           R"(},{"name":"arm","type":2,"awake":true,"angle":1,)" + R"("position":{"x":1,"y":2},)" +
                           disc + "}";
   return imported(world_of(two, R"({"name":"j","bodyA":0,"bodyB":1,)" + joint + "}"));
 }
 Joint joint_with(const std::string& joint) {
-  const tool::RubeImport import = joined(joint);
+  const RubeImport import = joined(joint);
   REQUIRE(import.scene.joints.size() == 1);
   CHECK(import.scene.joints[0].name == "j");
   CHECK(import.scene.joints[0].body_b == 1);
@@ -65,13 +65,13 @@ Joint joint_with(const std::string& joint) {
 }  // namespace
 
 TEST_CASE("gravity, steps per second and continuous physics become settings", "[verifier][import_rube]") {
-  const tool::RubeImport import = imported(world_of(""));
+  const RubeImport import = imported(world_of(""));
   CHECK(import.scene.name == "f");
   CHECK(import.scene.gravity == Point{0, -10});
   CHECK(import.scene.settings.dt == 0.02);
   CHECK(import.scene.settings.continuous);
   CHECK(import.notes.empty());
-  const tool::RubeImport bare = imported("{}");
+  const RubeImport bare = imported("{}");
   CHECK(bare.scene.gravity == Point{});
   CHECK(bare.scene.settings.dt == 1.0 / 60);
   CHECK_FALSE(bare.scene.settings.continuous);
@@ -159,7 +159,7 @@ TEST_CASE("a spinning body's velocity is moved from its origin to its centre of 
 }
 
 TEST_CASE("a body that moves and has no mass weighs 1 kg and does not turn", "[verifier][import_rube]") {
-  const tool::RubeImport import =
+  const RubeImport import =
       imported(world_of(R"({"type":2,"awake":true,"fixture":[{"density":0,"circle":{"radius":1}}]})"));
   CHECK(import.scene.bodies.at(0).mass->mass == 1);
   CHECK(import.scene.bodies.at(0).fixed_rotation);
@@ -215,7 +215,7 @@ TEST_CASE("a polygon is kept as it is, or cleaned as Box2D does and told", "[ver
   CHECK(square.kind == ShapeKind::polygon);
   CHECK(square.vertices == std::vector<Point>{{0, 0}, {1, 0}, {1, 1}, {0, 1}});
   // One vertex is on an edge, one almost on another vertex, and one inside.
-  const tool::RubeImport import =
+  const RubeImport import =
       imported(body_with(R"("polygon":{"vertices":{"x":[0,0.5,1,1.0001,1,0,0.4],"y":[0,0,0,0.0001,1,1,0.5]}})"));
   CHECK(import.scene.bodies.at(0).shapes.at(0).vertices.size() == 4);
   REQUIRE(import.notes.size() == 1);
@@ -230,7 +230,7 @@ TEST_CASE("a chain of two points is a segment, a longer one has both directions"
   CHECK(segment.kind == ShapeKind::segment);
   CHECK(segment.vertices == std::vector<Point>{{-10, 0}, {10, 1}});
 
-  const tool::RubeImport open = imported(body_with(R"("chain":{"vertices":{"x":[0,1,2],"y":[0,1,0]}})"));
+  const RubeImport open = imported(body_with(R"("chain":{"vertices":{"x":[0,1,2],"y":[0,1,0]}})"));
   REQUIRE(open.scene.bodies.at(0).shapes.size() == 2);
   const Shape& forth = open.scene.bodies[0].shapes[0];
   const Shape& back = open.scene.bodies[0].shapes[1];
@@ -244,7 +244,7 @@ TEST_CASE("a chain of two points is a segment, a longer one has both directions"
 TEST_CASE("a chain that closes itself is a loop without its repeated point", "[verifier][import_rube]") {
   const std::string loop = R"("chain":{"vertices":{"x":[0,2,2,0,0],"y":[0,0,2,2,0]},"hasNextVertex":true,
     "hasPrevVertex":true,"nextVertex":{"x":2,"y":0},"prevVertex":{"x":0,"y":2}})";
-  const tool::RubeImport import = imported(body_with(loop));
+  const RubeImport import = imported(body_with(loop));
   REQUIRE(import.scene.bodies.at(0).shapes.size() == 2);
   for (const Shape& shape : import.scene.bodies[0].shapes) {
     CHECK(shape.loop);
@@ -252,7 +252,7 @@ TEST_CASE("a chain that closes itself is a loop without its repeated point", "[v
   }
   CHECK(import.notes.empty());
   // Neighbour points of an open line are not part of the line. A note names them, and they do not collide.
-  const tool::RubeImport open = imported(
+  const RubeImport open = imported(
       body_with(R"("chain":{"vertices":{"x":[0,1,2],"y":[0,0,0]},"hasPrevVertex":true,"prevVertex":{"x":-1,"y":0}})"));
   CHECK(open.scene.bodies.at(0).shapes.at(0).vertices.size() == 3);
   REQUIRE(open.notes.size() == 1);
@@ -354,7 +354,7 @@ TEST_CASE("a gear couples two joints of the file, in any order", "[verifier][imp
                                          R"({"name":"q","bodyA":0,"bodyB":2,)" + second + "}"));
   };
   const std::string slider = R"("type":"prismatic","localAxisA":{"x":0,"y":1})";
-  const tool::RubeImport good = file(R"("joint1":2,"joint2":3,"ratio":-2,"collideConnected":true)", slider);
+  const RubeImport good = file(R"("joint1":2,"joint2":3,"ratio":-2,"collideConnected":true)", slider);
   CHECK(good.notes.empty());
   REQUIRE(good.scene.joints.size() == 4);
   const Joint& gear = good.scene.joints[3];  // after its joints
@@ -368,7 +368,7 @@ TEST_CASE("a gear couples two joints of the file, in any order", "[verifier][imp
   CHECK(file(R"("joint1":2,"joint2":3)", slider).scene.joints[3].ratio == 1);
 
   const auto note_of = [&](const std::string& gear_text, const std::string& second) {
-    const tool::RubeImport import = file(gear_text, second);
+    const RubeImport import = file(gear_text, second);
     CHECK(engine::check_scene(import.scene, "s").has_value());
     return import.notes.empty() ? "" : import.notes[0];
   };
@@ -386,21 +386,21 @@ TEST_CASE("what is not imported is listed by name", "[verifier][import_rube]") {
   CHECK(joined(R"("type":"gear","ratio":2)").scene.joints.empty());
   CHECK(joined(R"("type":"motor","correctionSpeed":0.3)").notes ==
         std::vector<std::string>{"not imported: joint key \"correctionSpeed\""});
-  const tool::RubeImport import =
+  const RubeImport import =
       imported(R"({"camera":{},"body":[{"customProperties":[],)" + disc + R"(}],"image":[{"name":"leaf"}]})");
   CHECK(import.notes == std::vector<std::string>{"not imported: image[0] \"leaf\" (no physics)",
                                                  "not imported: body key \"customProperties\"",
                                                  "not imported: world key \"camera\""});
   std::string images;
   for (int i = 0; i < 150; ++i) images += i == 0 ? "{}" : ",{}";
-  const tool::RubeImport many = imported(R"({"image":[)" + images + "]}");
+  const RubeImport many = imported(R"({"image":[)" + images + "]}");
   REQUIRE(many.notes.size() == tool::rube_note_count_max);
   CHECK(many.notes.back() == "and 51 more of this kind");
 }
 
 TEST_CASE("inactive bodies are left out with their joints, and the others keep theirs", "[verifier][rube]") {
   const std::string body = R"("type":2,"awake":true,)" + disc + "}";
-  const tool::RubeImport import = imported(
+  const RubeImport import = imported(
       world_of(R"({"name":"a",)" + body + R"(,{"name":"ghost","active":false,)" + body + R"(,{"name":"b",)" + body,
                R"({"type":"weld","name":"held","bodyA":0,"bodyB":2},)"
                R"({"type":"weld","name":"lost","bodyA":0,"bodyB":1})"));
@@ -468,10 +468,10 @@ TEST_CASE("depth, counts and size are bounded before memory is spent", "[verifie
 TEST_CASE("a file cut anywhere is an error, never a crash", "[verifier][import_rube][corruption]") {
   const std::string whole = world_of(R"({"name":"a","type":2,"awake":true,)" + disc + "},{" + disc + "}",
                                      R"({"type":"weld","bodyA":0,"bodyB":1})");
-  REQUIRE(tool::import_rube(whole, "f.json", "f").has_value());
+  REQUIRE(import_rube(whole, "f.json", "f").has_value());
   for (std::size_t size = 0; size < whole.size(); ++size) {
     CAPTURE(size);
-    CHECK_FALSE(tool::import_rube(std::string_view(whole).substr(0, size), "f.json", "f").has_value());
+    CHECK_FALSE(import_rube(std::string_view(whole).substr(0, size), "f.json", "f").has_value());
   }
 }
 

@@ -18,9 +18,9 @@ using tool::find_named_value;
 using tool::NamedValues;
 
 double value_of(const engine::Engine& engine, const std::string& name) {
-  const auto named = tool::find_named_value(name);
+  const auto named = find_named_value(name);
   REQUIRE(named.has_value());
-  return tool::NamedValues(engine).of(*named);
+  return NamedValues(engine).of(*named);
 }
 
 /// The scene after two seconds.
@@ -31,7 +31,7 @@ std::unique_ptr<engine::Engine> settled(const Scene& scene) {
 }
 
 std::string refusal(const std::string& name) {
-  const auto made = tool::CsvColumns::make({name}, stack_scene(2), "--columns");
+  const auto made = CsvColumns::make({name}, stack_scene(2), "--columns");
   REQUIRE_FALSE(made.has_value());
   return made.error().message;
 }
@@ -110,7 +110,7 @@ TEST_CASE("the CSV says which bodies sleep, and in a scene without sleep none do
     scene.settings.sleep.reset();
     if (sleeps) scene.settings.sleep.emplace();
     auto engine = make_engine_or_fail(scene);
-    const auto columns = tool::CsvColumns::make({"asleep", "bodies.*.asleep"}, scene, "--columns");
+    const auto columns = CsvColumns::make({"asleep", "bodies.*.asleep"}, scene, "--columns");
     REQUIRE(columns.has_value());
     CHECK(columns->head() == "tick,time,asleep,bodies.0.asleep,bodies.1.asleep,bodies.2.asleep\n");
     CHECK(value_of(*engine, "bodies.1.asleep") == 0);
@@ -144,7 +144,7 @@ TEST_CASE("names that mean nothing are refused with those that do", "[verifier][
        {"bodies.", "bodies.x", "bodies.3", "bodies.3.", "bodies.3.z", "bodies.3.x.y", "contacts.3.overlap",
         "contacts.3.4", "joints.-1.gap", "joints.99999999999.gap", "bodies.+1.x", "", "energy_start"}) {
     CAPTURE(name);
-    CHECK_FALSE(tool::find_named_value(name).has_value());
+    CHECK_FALSE(find_named_value(name).has_value());
     CHECK(refusal(name).find("expected the name of a value") != std::string::npos);
   }
 }
@@ -165,12 +165,12 @@ TEST_CASE("bodies and joints have the names that the scene gives them", "[verifi
                                            {"joints.glue.force", "joints.0.force"}}) {
     CAPTURE(by_name);
     CHECK(value_of(*engine, by_name) == value_of(*engine, by_number));
-    const auto columns = tool::CsvColumns::make({by_name}, scene, "--columns");
+    const auto columns = CsvColumns::make({by_name}, scene, "--columns");
     REQUIRE(columns.has_value());
     CHECK(columns->names() == std::vector<std::string>{by_name});
     CHECK(columns->values(*engine)[0] == value_of(*engine, by_number));
   }
-  const auto refused = tool::CsvColumns::make({"bodies.top.y"}, scene, "--columns");
+  const auto refused = CsvColumns::make({"bodies.top.y"}, scene, "--columns");
   REQUIRE_FALSE(refused.has_value());
   CHECK(refused.error().message == "--columns: bodies.top.y: found no body \"top\"");
   CHECK(refused.error().hint == "names: floor, top_2");
@@ -186,7 +186,7 @@ TEST_CASE("bodies and joints that a scene cannot have are refused with how many 
   CHECK(refusal("contacts.1.1.points").find("found body 1 twice") != std::string::npos);
   CHECK(refusal("joints.4.force") == "--columns: joints.4.force: found no joint 4: the scene has none");
   const auto takes = [](const Scene& scene, const std::string& name) {
-    return tool::CsvColumns::make({name}, scene, "--columns").has_value();
+    return CsvColumns::make({name}, scene, "--columns").has_value();
   };
   Scene scene = stack_scene(2);
   scene.prototypes = {unit_box({0, 0})};
@@ -204,13 +204,13 @@ TEST_CASE("bodies and joints that a scene cannot have are refused with how many 
 
 TEST_CASE("tick and time are the first two columns once, however often they are named", "[verifier][expression]") {
   const Scene scene = stack_scene(2);
-  const auto columns = tool::CsvColumns::make({"tick", "energy", "time", "time"}, scene, "--columns");
+  const auto columns = CsvColumns::make({"tick", "energy", "time", "time"}, scene, "--columns");
   REQUIRE(columns.has_value());
   CHECK(columns->head() == "tick,time,energy\n");
   const auto engine = make_engine_or_fail(scene);
   const std::string row = columns->row(*engine, 5);
   CHECK(std::count(row.begin(), row.end(), ',') == 2);
-  CHECK(tool::CsvColumns::make({"time"}, scene, "--columns")->head() == "tick,time\n");
+  CHECK(CsvColumns::make({"time"}, scene, "--columns")->head() == "tick,time\n");
 }
 
 TEST_CASE("lines of CSV have a cell for each column, an empty one for what is gone", "[verifier][expression]") {
@@ -218,14 +218,14 @@ TEST_CASE("lines of CSV have a cell for each column, an empty one for what is go
   scene.prototypes = {unit_box({0, 0})};
   scene.prototypes[0].name = "crate";
   scene.inputs = {engine::InputKind::spawn};
-  const auto columns = tool::CsvColumns::make({"energy", "bodies.*.y", "bodies.7.y", "contacts"}, scene, "--columns");
+  const auto columns = CsvColumns::make({"energy", "bodies.*.y", "bodies.7.y", "contacts"}, scene, "--columns");
   REQUIRE(columns.has_value());
   CHECK(columns->head() == "tick,time,energy,bodies.0.y,bodies.1.y,bodies.2.y,bodies.7.y,contacts\n");
   const auto engine = make_engine_or_fail(scene);
   const std::string row = columns->row(*engine, 5);
   CHECK(row.substr(0, 4) == "5,0,");
   CHECK(row.find(",-1,0.5,1.5,,") != std::string::npos);
-  const auto all = tool::CsvColumns::make({}, scene, "--columns");
+  const auto all = CsvColumns::make({}, scene, "--columns");
   REQUIRE(all.has_value());
   CHECK(all->head().find(",joint_gap,") != std::string::npos);
 }

@@ -40,7 +40,7 @@ std::string thrown(const std::string& more = "", const std::string& exact = R"("
          exact + more + "}";
 }
 
-Result<tool::Problem> read(const std::string& json) {
+Result<Problem> read(const std::string& json) {
   const TemporaryFolder folder;
   write_text(folder.file("p.json"), json);
   return tool::read_problem(folder.file("p.json"));
@@ -51,7 +51,7 @@ std::string refusal(const std::string& json) {
   return problem ? "" : problem.error().message;
 }
 
-std::vector<tool::AccuracyCurve> run(const tool::Problem& problem) {
+std::vector<AccuracyCurve> run(const Problem& problem) {
   tool::AccuracyOptions options;
   options.precisions = {engine::Precision::f64};
   options.repeat_max = 1;
@@ -70,7 +70,7 @@ TEST_CASE("a problem of one's own is judged by its slope and its bars", "[verifi
   auto curves = run(*problem);
   REQUIRE(curves.size() == 1);
   CAPTURE(curves[0].judgement.reason);
-  CHECK(curves[0].judgement.verdict == tool::StudyVerdict::pass);
+  CHECK(curves[0].judgement.verdict == StudyVerdict::pass);
   const double error = curves[0].points[2].error;  // 4 substeps
   REQUIRE(error > 0);
   for (const bool keeps : {true, false}) {
@@ -80,11 +80,11 @@ TEST_CASE("a problem of one's own is judged by its slope and its bars", "[verifi
                bar + "}]"));
     if (!with_bar) FAIL(with_bar.error().message);
     curves = run(*with_bar);
-    CHECK(curves[0].judgement.verdict == (keeps ? tool::StudyVerdict::pass : tool::StudyVerdict::fail));
+    CHECK(curves[0].judgement.verdict == (keeps ? StudyVerdict::pass : StudyVerdict::fail));
   }
   const auto wrong = read(thrown(R"(, "methods": ["tgs_soft"], "slope": 1)", R"("exact": ["3*t", "7*t - 4.9*t^2"])"));
   REQUIRE(wrong.has_value());
-  CHECK(run(*wrong)[0].judgement.verdict == tool::StudyVerdict::fail);
+  CHECK(run(*wrong)[0].judgement.verdict == StudyVerdict::fail);
 }
 
 TEST_CASE("a claimed slope that no curve can show fails, unless rounding hides it", "[verifier][study]") {
@@ -97,7 +97,7 @@ TEST_CASE("a claimed slope that no curve can show fails, unless rounding hides i
   };
   const std::string claim = R"(, "methods": ["tgs_soft"], "slope": 1)";
   const auto far_off = judged(thrown(claim, R"("exact": ["6*t", "7*t - 5*t^2"])"));
-  CHECK(far_off.verdict == tool::StudyVerdict::fail);
+  CHECK(far_off.verdict == StudyVerdict::fail);
   CHECK(far_off.reason.find("at the finest setting, 64 sub") != std::string::npos);
 
   const std::string explodes = R"j({"scene": {"settings": {"solver": "free_flight", "integrator": "explicit_euler"},
@@ -109,7 +109,7 @@ TEST_CASE("a claimed slope that no curve can show fails, unless rounding hides i
     if (!problem) FAIL(problem.error().message);
     const auto judgement = run(*problem)[0].judgement;
     CAPTURE(judgement.reason);
-    CHECK(judgement.verdict == tool::StudyVerdict::fail);
+    CHECK(judgement.verdict == StudyVerdict::fail);
     CHECK(judgement.reason.find("not finite") != std::string::npos);
   }
 
@@ -117,7 +117,7 @@ TEST_CASE("a claimed slope that no curve can show fails, unless rounding hides i
   const auto hidden = judged(R"({"scene": "projectile?solver=tgs_soft&integrator=velocity_verlet", "duration": 1,
       "samples": 10, "observe": "bodies.0.x", "exact": "3*t", "methods": ["tgs_soft"], "slope": 7,
       "bars": [{"method": "tgs_soft", "error": 0.1}]})");
-  CHECK(hidden.verdict == tool::StudyVerdict::pass);
+  CHECK(hidden.verdict == StudyVerdict::pass);
   CHECK(hidden.expected.value_or(0) == 7);
   CHECK(hidden.reason.find("by its bars alone: rounding") == 0);
 }
@@ -160,10 +160,9 @@ TEST_CASE("the example is a problem, and passes", "[verifier][study]") {
   if (!has_expressions()) return;
   const auto problem = read(tool::example_problem);
   if (!problem) FAIL(problem.error().message);
-  for (const tool::AccuracyCurve& curve : run(*problem)) {
+  for (const AccuracyCurve& curve : run(*problem)) {
     CAPTURE(curve.method.name, curve.judgement.reason);
-    CHECK(curve.judgement.verdict ==
-          (curve.method.name == "pgs" ? tool::StudyVerdict::not_judged : tool::StudyVerdict::pass));
+    CHECK(curve.judgement.verdict == (curve.method.name == "pgs" ? StudyVerdict::not_judged : StudyVerdict::pass));
   }
 }
 
@@ -179,7 +178,7 @@ TEST_CASE("a reference may be a table of times and values", "[verifier][study]")
   write_text(folder.file("p.json"), thrown(R"(, "methods": ["tgs_soft"], "slope": 1)", R"("reference": "ref.csv")"));
   const auto problem = tool::read_problem(folder.file("p.json"));
   if (!problem) FAIL(problem.error().message);
-  CHECK(run(*problem)[0].judgement.verdict == tool::StudyVerdict::pass);
+  CHECK(run(*problem)[0].judgement.verdict == StudyVerdict::pass);
   write_text(folder.file("p.json"), thrown(R"(, "samples2": 3)", R"("reference": "ref.csv")"));
   CHECK_FALSE(tool::read_problem(folder.file("p.json")).has_value());
   write_text(folder.file("ref.csv"), "0,0,0\n0.5,1,1\n");
@@ -195,7 +194,7 @@ TEST_CASE("between the rows of a table stands the cubic through four of them", "
     const double t = i * i / 8.0;
     csv += std::to_string(t) + "," + std::to_string(t * t * t - 2 * t) + "\n";
   }
-  const auto table = tool::ReferenceTable::parse(csv, "t.csv", {"x"});
+  const auto table = ReferenceTable::parse(csv, "t.csv", {"x"});
   REQUIRE(table.has_value());
   for (double t = 0; t <= 8; t += 0.37) CHECK(table->at(t)[0] == Approx(t * t * t - 2 * t).margin(1e-3));
   CHECK(table->at(table->last_time())[0] == Approx(8 * 8 * 8 - 16));
@@ -203,15 +202,15 @@ TEST_CASE("between the rows of a table stands the cubic through four of them", "
                       "0,1\n1\n", "0,1\n1,2,3\n", "0,1\n1,nan\n", "0,1\nx,y\n"};
   for (const char* text : wrong) {
     CAPTURE(text);
-    CHECK_FALSE(tool::ReferenceTable::parse(text, "t.csv", {"x"}).has_value());
+    CHECK_FALSE(ReferenceTable::parse(text, "t.csv", {"x"}).has_value());
   }
-  CHECK(tool::ReferenceTable::parse("t,v\n# note\n0,1\n1,2\r\n", "t.csv", {"x"}).has_value());
+  CHECK(ReferenceTable::parse("t,v\n# note\n0,1\n1,2\r\n", "t.csv", {"x"}).has_value());
 }
 
 TEST_CASE("names in the first line choose the columns of a reference table", "[verifier][study]") {
   const std::vector<std::string> names{"bodies.1.x", "bodies.1.y"};
   const auto at_1 = [&](const char* text) {
-    const auto table = tool::ReferenceTable::parse(text, "t.csv", names);
+    const auto table = ReferenceTable::parse(text, "t.csv", names);
     INFO((table ? std::string() : table.error().message));
     REQUIRE(table.has_value());
     return table->at(1);
@@ -226,7 +225,7 @@ TEST_CASE("names in the first line choose the columns of a reference table", "[v
       {"time,bodies.1.y,bodies.1.x\n0,1\n", "expected 3 numbers"},
   };
   for (const auto& [text, message] : wrong) {
-    const auto table = tool::ReferenceTable::parse(text, "t.csv", names);
+    const auto table = ReferenceTable::parse(text, "t.csv", names);
     REQUIRE_FALSE(table.has_value());
     CAPTURE(table.error().message);
     CHECK(table.error().message.find(message) != std::string::npos);
@@ -328,9 +327,9 @@ TEST_CASE("the example of a stress case shows what a load does", "[verifier][stu
   REQUIRE(rows.has_value());
   REQUIRE(rows->size() == 9);  // three loads with three methods, and no built-in case
   CHECK((*rows)[0].name == "loaded bodies.5.shapes.0.density=1");
-  CHECK((*rows)[0].verdict == tool::StudyVerdict::pass);
-  CHECK((*rows)[6].verdict == tool::StudyVerdict::pass);
-  CHECK((*rows)[7].verdict == tool::StudyVerdict::not_judged);
+  CHECK((*rows)[0].verdict == StudyVerdict::pass);
+  CHECK((*rows)[6].verdict == StudyVerdict::pass);
+  CHECK((*rows)[7].verdict == StudyVerdict::not_judged);
 }
 
 TEST_CASE("no other method excuses a failure in a stress file", "[verifier][study]") {
@@ -342,19 +341,19 @@ TEST_CASE("no other method excuses a failure in a stress file", "[verifier][stud
                             more + "}");
     const auto rows = tool::run_stress(options);
     REQUIRE(rows.has_value());
-    std::vector<std::pair<std::string, tool::StudyVerdict>> out;
+    std::vector<std::pair<std::string, StudyVerdict>> out;
     for (const tool::StressRow& row : *rows) out.emplace_back(row.method, row.verdict);
     return out;
   };
   using tool::StudyVerdict;
   const auto all = verdicts("");
-  CHECK(all[0] == std::pair{std::string("scene"), tool::StudyVerdict::fail});
+  CHECK(all[0] == std::pair{std::string("scene"), StudyVerdict::fail});
   for (std::size_t i = 1; i < all.size(); ++i)  // what passes passes, nothing else fails
-    CHECK((all[i].second == tool::StudyVerdict::pass || all[i].second == tool::StudyVerdict::not_judged));
+    CHECK((all[i].second == StudyVerdict::pass || all[i].second == StudyVerdict::not_judged));
   const auto both = verdicts(R"(, "methods": ["scene", "tgs_soft auto"])");
   REQUIRE(both.size() == 2);
-  CHECK(both[0].second == tool::StudyVerdict::fail);
-  CHECK(both[1].second == tool::StudyVerdict::pass);
+  CHECK(both[0].second == StudyVerdict::fail);
+  CHECK(both[1].second == StudyVerdict::pass);
 }
 
 TEST_CASE("the largest, the least and the last value of a run count as the file says", "[verifier][study][analytic]") {

@@ -26,7 +26,7 @@ Scene ball(double of_ball, double of_ground) {
 }
 
 bool tells(const Scene& scene, const std::string& part) {
-  for (const std::string& note : tool::scene_notes(scene))
+  for (const std::string& note : scene_notes(scene))
     if (contains(note, part)) return true;
   return false;
 }
@@ -42,25 +42,25 @@ TEST_CASE("restitution 1 is told where it loses energy", "[verifier][session][no
   CHECK_FALSE(tells(scene, "locate_impacts"));
   scene = ball(1, 0);
   scene.settings.locate_impacts = true;
-  CHECK(tool::scene_notes(scene).empty());
+  CHECK(scene_notes(scene).empty());
 }
 
 TEST_CASE("restitution 1 is told only if a pair has it", "[verifier][session][notes]") {
-  CHECK(tool::scene_notes(ball(0.99, 0.99)).empty());
+  CHECK(scene_notes(ball(0.99, 0.99)).empty());
   Scene scene = ball(0, 1);
   CHECK(tells(scene, "restitution 1"));
   scene.settings.restitution_mix = engine::MixRule::minimum;
-  CHECK(tool::scene_notes(scene).empty());
-  CHECK(tool::scene_notes(ball(1, 1)).size() == 1);
+  CHECK(scene_notes(scene).empty());
+  CHECK(scene_notes(ball(1, 1)).size() == 1);
   scene = ball(0, 1);
   scene.bodies[0].shapes[0].sensor = true;
-  CHECK(tool::scene_notes(scene).empty());
+  CHECK(scene_notes(scene).empty());
   // Two static bodies never collide, and a single ball has no partner.
   scene = ball(0, 0);
   scene.bodies.push_back(scene.bodies[0]);
   scene.settings.restitution_mix = engine::MixRule::geometric_mean;
   for (const std::size_t i : {0, 2}) scene.bodies[i].shapes[0].material.restitution = 1;
-  CHECK(tool::scene_notes(scene).empty());
+  CHECK(scene_notes(scene).empty());
 }
 
 TEST_CASE("two of one prototype may meet", "[verifier][session][notes]") {
@@ -87,36 +87,36 @@ TEST_CASE("a note names a joint that turns its bodies, and the angle that leaves
   CHECK(tells(scene, "joints[0] (weld) turns its bodies by 1.25 rad in the first ticks"));
   CHECK(tells(scene, "\"reference_angle\": 1.25"));
   scene.joints[0].reference_angle = 1.2;
-  CHECK(tool::scene_notes(scene).empty());
+  CHECK(scene_notes(scene).empty());
   scene.joints[0].kind = engine::JointKind::revolute;  // it holds no angle
   scene.joints[0].reference_angle = 0;
-  CHECK(tool::scene_notes(scene).empty());
+  CHECK(scene_notes(scene).empty());
   scene.joints = {weld, weld};
   scene.joints[1].kind = engine::JointKind::prismatic;
   CHECK(tells(scene, ", as 1 more;"));
   scene.joints = {weld};
   scene.joints[0].body_b = 2;
   scene.joints[0].reference_angle = engine::pi;  // angles that differ by whole turns are one
-  CHECK(tool::scene_notes(scene).empty());
+  CHECK(scene_notes(scene).empty());
   scene.joints = {weld};
   scene.joints[0].spring = engine::JointSpring{true, 0, 0, 10, 1};
-  CHECK(tool::scene_notes(scene).empty());
+  CHECK(scene_notes(scene).empty());
 }
 
 TEST_CASE("f32 far from the origin is told beyond 2^17 sizes of the smallest moving shape",
           "[verifier][session][notes]") {
   Scene scene = ball(0, 0);  // the disc is 1 m wide
   scene.bodies[1].position.x = 0x1p17;
-  CHECK(tool::scene_notes(scene).empty());
+  CHECK(scene_notes(scene).empty());
   scene.bodies[1].position.x = -0x1p17 * 1.001;
   CHECK(tells(scene, "\"precision\": \"f64\""));
   CHECK(tells(scene, "0.016 m"));  // 2^(17 - 23)
   scene.settings.precision = Precision::f64;
-  CHECK(tool::scene_notes(scene).empty());
+  CHECK(scene_notes(scene).empty());
   // The thickness of a thin box counts as its size.
   scene.settings.precision = Precision::f32;
   scene.bodies[1].position.x = 2000;
-  CHECK(tool::scene_notes(scene).empty());
+  CHECK(scene_notes(scene).empty());
   scene.bodies[1].shapes[0] = box_shape(1, 0.005);
   CHECK(tells(scene, "f64"));
 }
@@ -150,7 +150,7 @@ TEST_CASE("no built-in scene is far out, and only elastic ones lose energy", "[v
     REQUIRE(scene.has_value());
     CAPTURE(builtin.name);
     const bool is_elastic = builtin.name == "billiards" || builtin.name == "gas" || builtin.name == "resting";
-    CHECK(tool::scene_notes(*scene).empty() != is_elastic);
+    CHECK(scene_notes(*scene).empty() != is_elastic);
   }
 }
 

@@ -22,7 +22,7 @@ using tool::Outline;
 
 constexpr double two_pi = 6.283185307179586;
 
-Color color_of(const tool::DrawnBody& body, const tool::Figure& figure) {
+Color color_of(const DrawnBody& body, const Figure& figure) {
   switch (figure.type) {
     case engine::BodyType::static_body:
       return theme::fixed_body;
@@ -60,20 +60,18 @@ WorldPicture::WorldPicture(const engine::Engine& engine)
     : engine_(engine), drawing_(engine.scene(), *engine.state().schema) {}
 
 std::size_t WorldPicture::row_of(std::uint32_t id) const {
-  const auto found =
-      std::lower_bound(bodies_.begin(), bodies_.end(), id,
-                       [](const tool::DrawnBody& body, std::uint32_t wanted) { return body.id < wanted; });
+  const auto found = std::lower_bound(bodies_.begin(), bodies_.end(), id,
+                                      [](const DrawnBody& body, std::uint32_t wanted) { return body.id < wanted; });
   return found != bodies_.end() && found->id == id ? static_cast<std::size_t>(found - bodies_.begin()) : bodies_.size();
 }
 
-const tool::DrawnBody* WorldPicture::find(std::uint32_t id) const {
+const DrawnBody* WorldPicture::find(std::uint32_t id) const {
   const std::size_t row = row_of(id);
   return row < bodies_.size() ? &bodies_[row] : nullptr;
 }
 
-void WorldPicture::draw_outline(Canvas& canvas, const View& view, const tool::DrawnBody& body,
-                                const tool::Figure& figure, const tool::Outline& outline, const Paint& paint,
-                                double line_px) {
+void WorldPicture::draw_outline(Canvas& canvas, const View& view, const DrawnBody& body, const Figure& figure,
+                                const Outline& outline, const Paint& paint, double line_px) {
   std::vector<Point>& points = points_;
   points.clear();
   for (const Point& point : outline.points) points.push_back(tool::to_world(body, figure, point));
@@ -92,9 +90,9 @@ void WorldPicture::draw_outline(Canvas& canvas, const View& view, const tool::Dr
 }
 
 /// A short mark from the middle, so that turning is seen.
-void WorldPicture::draw_turn(Canvas& canvas, const View& view, const tool::DrawnBody& body, const tool::Figure& figure,
+void WorldPicture::draw_turn(Canvas& canvas, const View& view, const DrawnBody& body, const Figure& figure,
                              Color color) {
-  for (const tool::Outline& outline : figure.outlines) {
+  for (const Outline& outline : figure.outlines) {
     if (outline.points.size() != 1 || outline.is_sensor) continue;
     const Point& center = outline.points[0];
     const Pixel from = view.to_pixel(tool::to_world(body, figure, center));
@@ -103,16 +101,16 @@ void WorldPicture::draw_turn(Canvas& canvas, const View& view, const tool::Drawn
   }
 }
 
-void WorldPicture::draw_body(Canvas& canvas, const View& view, const tool::DrawnBody& body, const Paint& paint,
+void WorldPicture::draw_body(Canvas& canvas, const View& view, const DrawnBody& body, const Paint& paint,
                              double line_px) {
-  const tool::Figure& figure = used_->figures()[body.figure];
+  const Figure& figure = used_->figures()[body.figure];
   if (!body.is_finite) return;
   const Pixel middle = view.to_pixel(body.center);
   const double reach = figure.extent * view.scale + 2;
   if (middle.x + reach < 0 || middle.x - reach > canvas.width() || middle.y + reach < 0 ||
       middle.y - reach > canvas.height())
     return;
-  for (const tool::Outline& outline : figure.outlines) {
+  for (const Outline& outline : figure.outlines) {
     Paint own = paint;
     if (outline.is_sensor) own.fill = with_alpha(own.edge, 30);
     draw_outline(canvas, view, body, figure, outline, own, line_px);
@@ -121,7 +119,7 @@ void WorldPicture::draw_body(Canvas& canvas, const View& view, const tool::Drawn
 
 void WorldPicture::find_sleepers() {
   asleep_.assign(bodies_.size(), 0);
-  const tool::NamedTable sleep(engine_.state(), "sleep");
+  const NamedTable sleep(engine_.state(), "sleep");
   for (std::uint32_t row = 0; row < sleep.row_count(); ++row) {
     const std::size_t body = row_of(sleep.whole(row, "body"));
     if (body < bodies_.size()) asleep_[body] = sleep.whole(row, "asleep") != 0 ? 1 : 0;
@@ -163,8 +161,8 @@ void WorldPicture::draw(Canvas& canvas, const View& view, const LayerSet& layers
   used_ = &drawing_;
   const double edge_px = std::clamp(view.scale * 0.05, 1.0, 2.0);
   for (std::size_t row = 0; row < bodies_.size(); ++row) {
-    const tool::DrawnBody& body = bodies_[row];
-    const tool::Figure& figure = drawing_.figures()[body.figure];
+    const DrawnBody& body = bodies_[row];
+    const Figure& figure = drawing_.figures()[body.figure];
     const bool moves = figure.type == engine::BodyType::dynamic_body;
     Color color = color_of(body, figure);
     if (moves && layers.has(Layer::islands))
@@ -200,18 +198,18 @@ void WorldPicture::draw_contacts(Canvas& canvas, const View& view, const LayerSe
 }
 
 void WorldPicture::draw_joints(Canvas& canvas, const View& view) {
-  const tool::NamedTable table(engine_.state(), "joints");
+  const NamedTable table(engine_.state(), "joints");
   const auto mark = [&](const Point& point) { canvas.circle(view.to_pixel(point), 2.5, {theme::joint, {}, 0}); };
   for (std::uint32_t row = 0; row < table.row_count(); ++row) {
     const auto index = std::size_t{table.whole(row, "joint")};
     if (index >= engine_.scene().joints.size()) continue;
     const engine::Joint joint = tool::shown_joint(engine_.scene(), engine_.scene().joints[index]);
-    const tool::DrawnBody* b = find(joint.body_b);
+    const DrawnBody* b = find(joint.body_b);
     if (b == nullptr) continue;
     const Point anchor_b = tool::to_world(*b, drawing_.figures()[b->figure], joint.anchor_b);
     Point anchor_a = joint.offset;
     if (engine::has_body_a(joint.kind) || engine::joins_joints(joint.kind)) {
-      const tool::DrawnBody* a = find(joint.body_a);
+      const DrawnBody* a = find(joint.body_a);
       if (a == nullptr) continue;
       anchor_a = tool::to_world(*a, drawing_.figures()[a->figure], joint.anchor_a);
       canvas.line(view.to_pixel(a->center), view.to_pixel(anchor_a), 1.2, with_alpha(theme::joint, 150));
@@ -244,9 +242,9 @@ void WorldPicture::draw_broad_phase(Canvas& canvas, const View& view, const Laye
 }
 
 void WorldPicture::draw_pulls(Canvas& canvas, const View& view) {
-  const tool::NamedTable pointers(engine_.state(), "pointers");
+  const NamedTable pointers(engine_.state(), "pointers");
   for (std::uint32_t row = 0; row < pointers.row_count(); ++row) {
-    const tool::DrawnBody* body = find(pointers.whole(row, "body"));
+    const DrawnBody* body = find(pointers.whole(row, "body"));
     if (body == nullptr) continue;
     const double x = pointers.value(row, "anchor", 0), y = pointers.value(row, "anchor", 1);
     const Pixel from =
@@ -259,13 +257,13 @@ void WorldPicture::draw_pulls(Canvas& canvas, const View& view) {
 }
 
 void WorldPicture::draw_ghosts(Canvas& canvas, const View& view, const tool::Drawing& drawing, const StateView& state) {
-  std::vector<tool::DrawnBody> ghosts;
+  std::vector<DrawnBody> ghosts;
   drawing.read(state, ghosts);
   used_ = &drawing;
-  for (const tool::DrawnBody& ghost : ghosts) {
+  for (const DrawnBody& ghost : ghosts) {
     if (drawing.figures()[ghost.figure].type == engine::BodyType::static_body) continue;
     draw_body(canvas, view, ghost, {with_alpha(theme::ghost, 22), theme::ghost, 1.2}, 1.2);
-    const tool::DrawnBody* here = find(ghost.id);
+    const DrawnBody* here = find(ghost.id);
     if (here == nullptr || !here->is_finite || !ghost.is_finite) continue;
     const Pixel a = view.to_pixel(here->center), b = view.to_pixel(ghost.center);
     if (std::hypot(a.x - b.x, a.y - b.y) > 1) canvas.line(a, b, 1, with_alpha(theme::ghost, 170));
@@ -274,7 +272,7 @@ void WorldPicture::draw_ghosts(Canvas& canvas, const View& view, const tool::Dra
 
 void WorldPicture::draw_rings(Canvas& canvas, const View& view, const std::vector<std::uint32_t>& ids) {
   for (const std::uint32_t id : ids) {
-    const tool::DrawnBody* body = find(id);
+    const DrawnBody* body = find(id);
     if (body == nullptr || !body->is_finite) continue;
     const double radius = drawing_.figures()[body->figure].extent * view.scale + 7;
     canvas.ring(view.to_pixel(body->center), radius, 5, with_alpha(theme::bad, 70));
