@@ -13,6 +13,8 @@ void begin_tick(TickLists& tick) {
   tick.changes = {};
   tick.contact_pairs = {};
   tick.has_solver_sets = false;
+  tick.shock_work_left = 0;  // a scene without islands has no stage that sets it
+  tick.shock_is_cut = false;
 }
 
 }  // namespace ticktrue::engine::TICKTRUE_PRECISION
