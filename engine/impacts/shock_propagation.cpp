@@ -40,8 +40,7 @@ void begin_resting_impacts(const SolvedSet& solved, std::vector<RestingImpact>& 
   save_impulses(solved.set, contacts);
 }
 
-Real settled_speed(const SolvedSet& solved) {
-  if (!solved.set.has_resting_impacts) return 0;
+Real settled_speed_of_impacts(const SolvedSet& solved) {
   const Real h = solved.set.h;
   bool any = false;
   Real settled = 0;  // m/s

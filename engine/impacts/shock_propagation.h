@@ -27,7 +27,11 @@ void list_fields(ShockWorkspace& of, const Visit& visit) {
 /// started. `impacts`: TickLists::resting_impacts.
 void begin_resting_impacts(const SolvedSet& solved, std::vector<RestingImpact>& impacts, ContactBatches& contacts);
 /// The change of speed, m/s, below which the shock has propagated; 0 if no resting impact hit in the last pass.
-Real settled_speed(const SolvedSet& solved);
+/// Requires: the set has resting impacts.
+Real settled_speed_of_impacts(const SolvedSet& solved);
+inline Real settled_speed(const SolvedSet& solved) {
+  return solved.set.has_resting_impacts ? settled_speed_of_impacts(solved) : Real(0);
+}
 /// Rigid passes until no velocity of a body changes by more than `settled`; no pass for 0. Ends early if
 /// `tick.shock_work_left` does not suffice.
 void propagate_shock(const SolvedSet& solved, Real settled, TickLists& tick, ContactBatches& contacts,

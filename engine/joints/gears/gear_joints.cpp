@@ -240,12 +240,12 @@ void prepare_gears(const SolvedSet& solved, std::vector<GearJoint>& gears) {
   }
 }
 
-void warm_start_gears(const SolvedSet& solved, const std::vector<GearJoint>& gears) {
+void warm_start_all_gears(const SolvedSet& solved, const std::vector<GearJoint>& gears) {
   MovingBody* records = solved.bodies.records.data();
   for (const GearJoint& gear : gears) rows_of_gear(gear, records).apply(records, gear.impulse);
 }
 
-void solve_gears(const SolvedSet& solved, std::vector<GearJoint>& gears, Bias bias) {
+void solve_all_gears(const SolvedSet& solved, std::vector<GearJoint>& gears, Bias bias) {
   MovingBody* records = solved.bodies.records.data();
   for (GearJoint& gear : gears) {
     const bool has_moved = bias == Bias::off && gear.may_have_moved;

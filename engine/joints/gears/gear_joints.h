@@ -27,8 +27,15 @@ struct GearJoint {
 
 /// Prepares the gears of a set. Requires: prepare_joints.
 void prepare_gears(const SolvedSet& solved, std::vector<GearJoint>& gears);
-void warm_start_gears(const SolvedSet& solved, const std::vector<GearJoint>& gears);
-void solve_gears(const SolvedSet& solved, std::vector<GearJoint>& gears, Bias bias);
+void warm_start_all_gears(const SolvedSet& solved, const std::vector<GearJoint>& gears);
+void solve_all_gears(const SolvedSet& solved, std::vector<GearJoint>& gears, Bias bias);
+// Most scenes have no gears: they are asked inline.
+inline void warm_start_gears(const SolvedSet& solved, const std::vector<GearJoint>& gears) {
+  if (!gears.empty()) warm_start_all_gears(solved, gears);
+}
+inline void solve_gears(const SolvedSet& solved, std::vector<GearJoint>& gears, Bias bias) {
+  if (!gears.empty()) solve_all_gears(solved, gears, bias);
+}
 /// Stores impulses in state.joints, as forces, and coordinates in state.gears.
 void store_gears(const SolvedSet& solved, std::vector<GearJoint>& gears, State& state);
 
