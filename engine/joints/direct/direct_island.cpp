@@ -21,6 +21,8 @@ constexpr double gap_of_rounding = 1e-6;  // m: corrected without this bound
 constexpr double turning_limit = 2;
 
 constexpr double miss_least = 1e-3;          // m
+constexpr double converging_share = 0.6;     // of the miss, which a pass leaves at most
+constexpr int early_pass_count = 4;          // passes that meet the positions where a substep is short enough
 constexpr double hard_energy_share = 0.1;    // of the kinetic energy
 constexpr double own_energy_share = 4;       // of the kinetic energy, for changes by rows
 constexpr double driven_energy_share = 100;  // the same where a body drives others through levers
@@ -55,18 +57,6 @@ SinCos turn_by(double angle) {
 void find_moved_poses(DirectIsland& island, double h) {
   island.moved_poses.resize(island.bodies.size());
   for (std::size_t i = 0; i < island.bodies.size(); ++i) island.moved_poses[i] = moved(island.bodies[i], h);
-}
-
-/// The errors of the joint's rows after the move. Requires: find_moved_poses.
-Triple moved_errors(const DirectIsland& island, std::size_t index) {
-  constexpr Pose world;
-  const DirectJoint& joint = island.joints[index];
-  const JointShape& shape = island.shapes[index];
-  const Pose& a = joint.body_a == no_direct_body ? world : island.moved_poses[joint.body_a];
-  const Pose& b = joint.body_b == no_direct_body ? world : island.moved_poses[joint.body_b];
-  if (!is_point(shape)) return equations_of(shape, a, b).errors;
-  const Place gap = point_gap(shape, a, b);
-  return {gap.x, gap.y, 0};
 }
 
 double row_speed(const DirectIsland& island, const DirectJoint& joint, std::size_t row) {
@@ -170,7 +160,7 @@ void set_residuals(DirectIsland& island, const Residual& residual) {
 /// The error of a row's speed before the move. `then`: the row's position error after the move.
 double residual_of(const DirectIsland& island, const DirectJoint& joint, std::size_t row, double then, double h) {
   const double soft = joint.compliances[row] * joint.impulses[row];
-  if (row < joint.equations.rigid_count) return (then - target_of(island, joint.equations.errors[row], h)) / h + soft;
+  if (row < joint.equations.rigid_count) return (then - joint.targets[row]) / h + soft;
   const DirectDrive& drive = drive_of(island, joint, row);
   if (!drive.law.is_in_system) return 0;
   if (!is_at_limit(drive)) {
@@ -195,17 +185,32 @@ void pass_to_speeds(DirectIsland& island, double h) {
 /// Sets the right-hand side from the errors after the move. Returns the largest distance of a rigid row from its
 /// target, m or rad.
 double set_position_residuals(DirectIsland& island, double h) {
+  constexpr Pose world;
   find_moved_poses(island, h);
-  for (Triple& value : island.system.values) value = {};
+  for (const std::uint32_t node : island.graph->body_nodes) island.system.values[node] = {};
   double most = 0;
   for (std::size_t i = 0; i < island.joints.size(); ++i) {
     const DirectJoint& joint = island.joints[i];
-    const Triple then = moved_errors(island, i);
+    const JointShape& shape = island.shapes[i];
+    const Pose& a = joint.body_a == no_direct_body ? world : island.moved_poses[joint.body_a];
+    const Pose& b = joint.body_b == no_direct_body ? world : island.moved_poses[joint.body_b];
     Triple& value = island.system.values[island.graph->joint_nodes[i]];
+    if (is_point(shape)) {
+      const Place gap = point_gap(shape, a, b);
+      const double miss_x = gap.x - joint.targets[0];
+      const double miss_y = gap.y - joint.targets[1];
+      value = {-(miss_x / h + joint.compliances[0] * joint.impulses[0]),
+               -(miss_y / h + joint.compliances[1] * joint.impulses[1]), 0};
+      if (!(magnitude(miss_x) <= most)) most = magnitude(miss_x);
+      if (!(magnitude(miss_y) <= most)) most = magnitude(miss_y);
+      continue;
+    }
+    const Triple then = equations_of(shape, a, b).errors;
+    value = {};
     for (std::size_t row = 0; row < joint.equations.row_count; ++row) {
       value[row] = -residual_of(island, joint, row, then[row], h);
       if (row >= joint.equations.rigid_count) continue;
-      const double miss = magnitude(then[row] - target_of(island, joint.equations.errors[row], h));
+      const double miss = magnitude(then[row] - joint.targets[row]);
       if (!(miss <= most)) most = miss;
     }
   }
@@ -260,48 +265,54 @@ void settle(DirectIsland& island, double h, const Pass& pass) {
   for (int change = 0; change < state_change_max && change_states(island, h); ++change) pass(island, h);
 }
 
-/// Scales by `share` the changes of velocities and impulses since save_velocities.
-void scale_changes(DirectIsland& island, double share) {
+/// One pass from the right-hand side that set_position_residuals has set.
+void pass_from_residuals(DirectIsland& island, double h) {
+  add_solution(island);
+  settle(island, h, pass_to_positions);
+}
+
+/// Scales by `share` the changes of velocities and impulses since the island was saved.
+void scale_changes(DirectIsland& island, const SavedIsland& since, double share) {
   for (std::size_t i = 0; i < island.moving_count; ++i)
     for (std::size_t k = 0; k < 3; ++k) {
-      const double saved = island.saved_velocities[i][k];
+      const double saved = since.velocities[i][k];
       double& now = island.bodies[i].velocity[k];
       now = saved + share * (now - saved);
     }
   for (std::size_t i = 0; i < island.joints.size(); ++i)
     for (std::size_t row = 0; row < 3; ++row) {
-      const double saved = island.saved_impulses[i][row];
+      const double saved = since.impulses[i][row];
       double& now = island.joints[i].impulses[row];
       now = saved + share * (now - saved);
     }
 }
 
-void save_velocities(DirectIsland& island) {
-  island.saved_velocities.resize(island.moving_count);
-  for (std::size_t i = 0; i < island.moving_count; ++i) island.saved_velocities[i] = island.bodies[i].velocity;
-  island.saved_impulses.resize(island.joints.size());
-  for (std::size_t i = 0; i < island.joints.size(); ++i) island.saved_impulses[i] = island.joints[i].impulses;
-  island.saved_drives = island.drives;
+void save(const DirectIsland& island, SavedIsland& saved) {
+  saved.velocities.resize(island.moving_count);
+  for (std::size_t i = 0; i < island.moving_count; ++i) saved.velocities[i] = island.bodies[i].velocity;
+  saved.impulses.resize(island.joints.size());
+  for (std::size_t i = 0; i < island.joints.size(); ++i) saved.impulses[i] = island.joints[i].impulses;
+  saved.drives = island.drives;
 }
 
-void restore_velocities(DirectIsland& island) {
-  for (std::size_t i = 0; i < island.moving_count; ++i) island.bodies[i].velocity = island.saved_velocities[i];
-  for (std::size_t i = 0; i < island.joints.size(); ++i) island.joints[i].impulses = island.saved_impulses[i];
-  island.drives = island.saved_drives;
+void restore(DirectIsland& island, const SavedIsland& saved) {
+  for (std::size_t i = 0; i < island.moving_count; ++i) island.bodies[i].velocity = saved.velocities[i];
+  for (std::size_t i = 0; i < island.joints.size(); ++i) island.joints[i].impulses = saved.impulses[i];
+  island.drives = saved.drives;
 }
 
-/// Twice the energy of the changes since save_velocities, and twice the energy before the changes, J.
+/// Twice the energy of the changes since the island was saved, and twice the energy before the changes, J.
 struct EnergyDemand {
   double asked = 0;
   double had = 0;
 };
 
 /// `speed`: the energy of each body counts with the energy of this speed added, m/s.
-EnergyDemand energy_demand(const DirectIsland& island, double speed) {
+EnergyDemand energy_demand(const DirectIsland& island, const SavedIsland& since, double speed) {
   EnergyDemand demand;
   for (std::size_t i = 0; i < island.moving_count; ++i) {
     const DirectBody& body = island.bodies[i];
-    const Triple& saved = island.saved_velocities[i];
+    const Triple& saved = since.velocities[i];
     demand.asked +=
         double_energy(body, {body.velocity[0] - saved[0], body.velocity[1] - saved[1], body.velocity[2] - saved[2]});
     demand.had += double_energy(body, saved) + body.mass * (speed * speed);
@@ -338,12 +349,12 @@ AskedSpeed asked_speed(const DirectIsland& island) {
 }
 
 /// Rows only remove velocities, apart from the speeds that they require. Larger changes come from rows that contradict
-/// each other: the function scales the changes, and a gap opens. Requires: save_velocities before the changes.
-void bound_changes(DirectIsland& island) {
+/// each other: the function scales the changes, and a gap opens. Requires: the island was saved before the changes.
+void bound_changes(DirectIsland& island, const SavedIsland& since) {
   const AskedSpeed speed = asked_speed(island);
-  const EnergyDemand demand = energy_demand(island, speed.sum);
+  const EnergyDemand demand = energy_demand(island, since, speed.sum);
   const double allowed = (speed.is_driven ? driven_energy_share : own_energy_share) * demand.had;
-  if (demand.asked > allowed) scale_changes(island, __builtin_sqrt(allowed / demand.asked));
+  if (demand.asked > allowed) scale_changes(island, since, __builtin_sqrt(allowed / demand.asked));
 }
 
 }  // namespace
@@ -488,16 +499,9 @@ void add_force_like_changes(const DirectIsland& island, std::vector<Triple>& cha
     }
 }
 
-void begin_substep(DirectIsland& island, double h) {
-  if (island.has_drives) {
-    for_drives(island, [&island](const DirectJoint& joint, std::size_t row, DirectDrive& drive, double k) {
-      drive.start_error = joint.equations.errors[row];
-      drive.start_speed = row_speed(island, joint, row);
-      if (drive.state == DriveState::free && drive.has_motor) drive.state = DriveState::motor;
-      drive.law = law_of(drive, k);
-    });
-    factor_laws(island);
-  }
+namespace {
+
+void choose_push(DirectIsland& island, double h) {
   island.push.clear();
   island.push_share = 1;
   double most = 0;
@@ -525,6 +529,24 @@ void begin_substep(DirectIsland& island, double h) {
       island.push_impulses[i][row] = -island.push_share * island.system.values[island.graph->joint_nodes[i]][row];
 }
 
+}  // namespace
+
+void begin_substep(DirectIsland& island, double h) {
+  if (island.has_drives) {
+    for_drives(island, [&island](const DirectJoint& joint, std::size_t row, DirectDrive& drive, double k) {
+      drive.start_error = joint.equations.errors[row];
+      drive.start_speed = row_speed(island, joint, row);
+      if (drive.state == DriveState::free && drive.has_motor) drive.state = DriveState::motor;
+      drive.law = law_of(drive, k);
+    });
+    factor_laws(island);
+  }
+  choose_push(island, h);
+  for (DirectJoint& joint : island.joints)
+    for (std::size_t row = 0; row < joint.equations.rigid_count; ++row)
+      joint.targets[row] = target_of(island, joint.equations.errors[row], h);
+}
+
 void start_impulses(DirectIsland& island) {
   for (DirectJoint& joint : island.joints) {
     joint.impulses = {};
@@ -538,37 +560,51 @@ void start_impulses(DirectIsland& island) {
 }
 
 void solve_velocities(DirectIsland& island, double h) {
-  save_velocities(island);
+  save(island, island.saved);
   pass_to_speeds(island, h);
   settle(island, h, pass_to_speeds);
-  bound_changes(island);
+  bound_changes(island, island.saved);
 }
 
 PositionOutcome meet_positions(DirectIsland& island, double h, double tolerance, int pass_max) {
-  save_velocities(island);
-  double miss = set_position_residuals(island, h);
-  for (int pass = 0; pass < pass_max && !(miss <= tolerance); ++pass) {
-    add_solution(island);
-    settle(island, h, pass_to_positions);
-    miss = set_position_residuals(island, h);
+  save(island, island.start);
+  const bool is_tree = island.joints.size() <= island.moving_count;
+  if (is_tree) {
+    set_position_residuals(island, h);
+    pass_from_residuals(island, h);
+    bound_changes(island, island.start);
+  } else {
+    solve_velocities(island, h);
   }
-  if (!(miss <= island.worst_miss)) island.worst_miss = miss;
+  save(island, island.saved);
+  double miss = set_position_residuals(island, h);
+  double early_miss = miss;
+  for (int pass = is_tree ? 1 : 0; pass < pass_max && !(miss <= tolerance); ++pass) {
+    const double before = miss;
+    pass_from_residuals(island, h);
+    miss = set_position_residuals(island, h);
+    if (pass < early_pass_count) early_miss = miss;
+    if (!(miss <= converging_share * before)) break;  // further passes would diverge
+  }
+  if (!(early_miss <= island.worst_miss)) island.worst_miss = early_miss;
   if (!(miss <= miss_least)) {
-    restore_velocities(island);
+    restore(island, island.start);
+    if (island.has_drives) factor_laws(island);
+    solve_velocities(island, h);
     return PositionOutcome::missed;
   }
-  const EnergyDemand demand = energy_demand(island, resting_body_speed);
+  const EnergyDemand demand = energy_demand(island, island.saved, resting_body_speed);
   const double asked = demand.asked;
   const double had = demand.had;
   const double allowed = hard_energy_share * had;
   if (!(asked > allowed)) return PositionOutcome::met;
-  scale_changes(island, __builtin_sqrt(allowed / asked));
+  scale_changes(island, island.saved, __builtin_sqrt(allowed / asked));
   return PositionOutcome::scaled;
 }
 
 void end_push(DirectIsland& island) {
   if (island.push.empty()) return;
-  save_velocities(island);
+  save(island, island.saved);
   double pushed = 0;
   for (std::size_t i = 0; i < island.moving_count; ++i) {
     const DirectBody& body = island.bodies[i];
@@ -581,33 +617,33 @@ void end_push(DirectIsland& island) {
       for (std::size_t row = 0; row < island.joints[i].equations.row_count; ++row)
         apply_row(island, island.joints[i], row, -island.push_impulses[i][row]);
   // Rows that contradict each other have impulses without bound, which cancel at the old poses alone.
-  if (!island.is_free || !(energy_demand(island, 0).asked <= own_energy_share * pushed))
+  if (!island.is_free || !(energy_demand(island, island.saved, 0).asked <= own_energy_share * pushed))
     for (std::size_t i = 0; i < island.moving_count; ++i)
       for (std::size_t k = 0; k < 3; ++k)
-        island.bodies[i].velocity[k] = island.saved_velocities[i][k] - island.push[i][k];
+        island.bodies[i].velocity[k] = island.saved.velocities[i][k] - island.push[i][k];
   island.push.clear();
 }
 
 void project_velocities(DirectIsland& island) {
-  save_velocities(island);
+  save(island, island.saved);
   set_residuals(island, [&island](const DirectJoint& joint, std::size_t row) {
     const RowLaw law = law_of(island, joint, row);
     return law.is_in_system ? row_speed(island, joint, row) - law.speed : 0;
   });
   add_velocities(island);
-  bound_changes(island);
+  bound_changes(island, island.saved);
 }
 
 void factor_rigid_rows(DirectIsland& island) {
   if (!island.has_drives) return;
-  island.saved_drives = island.drives;
+  island.saved.drives = island.drives;
   for (DirectDrive& drive : island.drives) drive.law = {};
   factor_laws(island);
 }
 
 void end_rigid_rows(DirectIsland& island) {
   if (!island.has_drives) return;
-  island.drives = island.saved_drives;
+  island.drives = island.saved.drives;
   factor_laws(island);
 }
 

@@ -7,10 +7,12 @@
 //   x' = x moved by h v'
 //   v" = v' + M^-1 G(x')^T q  with  G(x') v" = 0                     project_velocities
 //
-// The first equation is solved by a few passes with the matrix of the poses x. The error falls by about h w in each
-// pass, with w the spin. The energy then oscillates and does not drift. Two guards keep the energy from growing. If the
-// passes miss the target, their changes are discarded, which leaves G(x) v' = 0. If the passes add more than a tenth of
-// the kinetic energy, their changes are scaled.
+// The first equation is solved by a few passes with the matrix of the poses x. Trees of joints begin with the predicted
+// velocities. Islands with loops begin with velocities that keep G(x) v' = 0: in a straight bridge, rows contradict
+// each other to second order. The error falls by about h w in each pass, with w the spin. The energy then oscillates
+// and does not drift. Three guards keep the energy from growing. If the passes miss the target, their changes are
+// discarded, and velocities with G(x) v' = 0 are kept instead. The first pass is bounded (bound_changes). If later
+// passes add more than a tenth of the kinetic energy, their changes are scaled.
 //
 // A gap is corrected by a velocity of bounded energy that bodies have during the move alone (the push).
 #pragma once
@@ -45,9 +47,17 @@ struct DirectJoint {
   Triple impulses{};              // of this substep, before the move
   JointEquations equations;       // at the poses of the last factor_island
   Triple compliances{};           // 1/kg or 1/(kg m^2)
+  Triple targets{};               // of the errors of rigid rows after the move; filled by begin_substep
 };
 
 enum class PositionOutcome : std::uint8_t { met, scaled, missed };
+
+/// What passes change.
+struct SavedIsland {
+  std::vector<Triple> velocities;  // [moving body]
+  std::vector<Triple> impulses;    // [joint]
+  std::vector<DirectDrive> drives;
+};
 
 struct DirectIsland {
   std::vector<DirectBody> bodies;  // bodies that joints move come first
@@ -57,16 +67,15 @@ struct DirectIsland {
   std::vector<DirectDrive> drives;  // of the rows after the rigid ones, joint by joint
   std::shared_ptr<const JointGraph> graph;
   BlockSystem system;
-  std::vector<Triple> push;           // [moving body] velocities; empty: none
-  std::vector<Triple> push_impulses;  // [joint]
-  double push_share = 1;              // of the wanted correction
-  double worst_miss = 0;              // m or rad, the largest of meet_positions since this was set to 0
-  bool has_drives = false;            // some drive exists
-  bool is_free = false;               // each joint acts on two moving bodies, with opposite impulses: momentum stays
-  std::vector<Pose> moved_poses;      // [body] after a move with the present velocities
-  std::vector<Triple> saved_velocities;
-  std::vector<Triple> saved_impulses;
-  std::vector<DirectDrive> saved_drives;
+  std::vector<Triple> push;              // [moving body] velocities; empty: none
+  std::vector<Triple> push_impulses;     // [joint]
+  double push_share = 1;                 // of the wanted correction
+  double worst_miss = 0;                 // m or rad, the largest after the early passes of meet_positions
+  bool has_drives = false;               // some drive exists
+  bool is_free = false;                  // each joint acts on two moving bodies, with opposite impulses: momentum stays
+  std::vector<Pose> moved_poses;         // [body] after a move with the present velocities
+  SavedIsland saved;                     // before the last changes
+  SavedIsland start;                     // before the first pass of meet_positions
   std::vector<double> angular_impulses;  // [moving body] N m s, of its joints
 };
 
@@ -103,7 +112,7 @@ void start_impulses(DirectIsland& island);
 /// begin_substep.
 void solve_velocities(DirectIsland& island, double h);
 /// Computes velocities whose move meets the positions, to the tolerance (m, rad) or as well as `pass_max` passes can.
-/// Requires: solve_velocities.
+/// Requires: begin_substep; pass_max >= 1.
 PositionOutcome meet_positions(DirectIsland& island, double h, double tolerance, int pass_max);
 /// Removes the push by its impulses at the new poses, which keeps angular momentum. Requires: the system is factored at
 /// the poses after the move.

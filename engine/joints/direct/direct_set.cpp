@@ -9,9 +9,9 @@
 namespace ticktrue::engine::TICKTRUE_PRECISION {
 namespace {
 
-/// Each pass that meets the positions multiplies the error by the angle of a substep.
-constexpr int position_pass_max = 4;
-constexpr double position_tolerance = sizeof(Real) == 4 ? 1e-8 : 1e-12;  // m, rad; below the rounding of poses
+/// Each pass that meets the positions multiplies the error by about the angle of a substep: slow joints take three.
+constexpr int position_pass_max = 8;
+constexpr double position_tolerance = sizeof(Real) == 4 ? 1e-7 : 1e-10;  // m, rad; below the rounding of poses
 /// An island that misses positions by more than this gets more substeps in the next tick, m.
 constexpr double slow_miss = 1e-6;
 /// Alternations of joints and contacts, before the move and after it, if something touches a jointed body of the set.
@@ -222,7 +222,6 @@ void meet_direct(const SolvedSet& solved, MotionWorkspace& motion, DirectWorkspa
   if (!motion.drift.joint_changes.empty()) solve_direct(solved, motion, work);  // the drift depends on the springs
   for_islands(solved, work, [&](const DirectComponent& component, DirectSetIsland& at) {
     load_before_move(solved, motion, component, at);
-    if (motion.drift.joint_changes.empty()) solve_velocities(at.island, static_cast<double>(solved.set.h));
     meet_positions(at.island, static_cast<double>(solved.set.h), position_tolerance, position_pass_max);
     store_before_move(solved, motion, component, at, false);
   });

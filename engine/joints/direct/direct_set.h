@@ -25,11 +25,17 @@ void list_fields(BlockSystem& of, const Visit& visit) {
 }
 
 template <typename Visit>
+void list_fields(SavedIsland& of, const Visit& visit) {
+  auto& [velocities, impulses, drives] = of;
+  visit(velocities, impulses, drives);
+}
+
+template <typename Visit>
 void list_fields(DirectIsland& of, const Visit& visit) {
   auto& [bodies, moving_count, joints, shapes, drives, graph, system, push, push_impulses, push_share, worst_miss,
-         has_drives, is_free, moved_poses, saved_velocities, saved_impulses, saved_drives, angular_impulses] = of;
+         has_drives, is_free, moved_poses, saved, start, angular_impulses] = of;
   visit(bodies, moving_count, joints, shapes, drives, system, push, push_impulses, push_share, worst_miss, has_drives,
-        is_free, moved_poses, saved_velocities, saved_impulses, saved_drives, angular_impulses);
+        is_free, moved_poses, saved, start, angular_impulses);
 }
 
 }  // namespace ticktrue::engine

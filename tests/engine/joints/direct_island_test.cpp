@@ -133,7 +133,6 @@ IslandRun run_island(DirectIsland& island, double seconds, int steps_per_second,
     begin_substep(island, h);
     kick(first_kick * h);
     start_impulses(island);
-    solve_velocities(island, h);
     outcome.guarded += meet_positions(island, h, 0, passes) != PositionOutcome::met ? 1 : 0;
     for (DirectBody& body : island.bodies) body.pose = moved(body, h);
     factor_island(island);
