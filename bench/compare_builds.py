@@ -16,7 +16,7 @@ import tempfile
 # scene, ticks of a timed run, ticks of the two runs under callgrind
 SCENES = (
     ('large_pyramid?substeps=4', 150, 20, 60), ('many_pyramids?rows=7&columns=11&substeps=4', 150, 20, 60), ('tumbler', 300, 150, 200),
-    ('joint_grid', 100, 10, 30), ('smash', 60, 20, 35), ('rain', 60, 10, 30), ('gas', 200, 20, 120), ('loose', 200, 20, 120),
+    ('joint_grid', 100, 10, 30), ('smash', 60, 20, 35), ('rain', 60, 10, 30), ('gas', 200, 20, 120), ('loose?substeps=4', 200, 20, 120),
     ('spinner', 50, 10, 20), ('thesis_mix?bodies=150', 800, 100, 400), ('thesis_mix?bodies=1000', 300, 100, 200),
     ('mixed_pile?bodies=500&substeps=4', 400, 200, 300), ('shapes?substeps=4', 600, 100, 400), ('stack?boxes=20&substeps=4', 1000, 100, 600),
     ('chain?links=50&substeps=4', 800, 100, 500), ('card_house?substeps=4', 500, 100, 300),

@@ -30,7 +30,7 @@ struct BuiltinScene {
   std::span<const SceneParameter> parameters;
   Scene (*build)(const SceneArguments& arguments);
   /// The budget of the automatic substeps that the scene has if `substeps` is not given: so that they take less than
-  /// 1.5 times as long as 4 substeps. 0: the scene has 4 substeps, or a number of its own.
+  /// 1.5 times as long as 4 substeps, or a tick less than 0.1 ms. 0: the scene has 4 substeps, or a number of its own.
   int automatic_budget = 0;
 };
 

@@ -14,6 +14,9 @@ constexpr std::uint64_t loads_stream = 0x6c6f6164735f5f31;
 constexpr std::uint64_t budget_stream = 0x6275646765745f31;
 constexpr std::uint64_t structure_stream = 0x7374727563745f31;
 
+/// Without a budget, a tick in which something hits a large pile takes a second.
+constexpr std::size_t unlimited_body_count_max = 128;
+
 }  // namespace
 
 RandomWorld random_world(std::uint64_t seed, const RandomWorldOptions& options) {
@@ -32,7 +35,8 @@ RandomWorld random_world(std::uint64_t seed, const RandomWorldOptions& options) 
   if (world.scene.settings.auto_substeps && Draw(seed ^ loads_stream).half())
     world.scene.settings.substep_loads = SubstepLoads::measured;
   Draw budget(seed ^ budget_stream);
-  if (world.scene.settings.auto_substeps && budget.half()) world.scene.settings.substep_budget = 1 << budget.below(8);
+  const bool is_limited = budget.half() || world.scene.bodies.size() > unlimited_body_count_max;
+  if (world.scene.settings.auto_substeps && is_limited) world.scene.settings.substep_budget = 1 << budget.below(8);
   add_forces(draw, plan, world.scene);
   world.inputs = add_inputs(draw, plan, world.scene);
   world.tick_count = plan.tick_count;

@@ -41,7 +41,7 @@ TEST_CASE("a projectile composes one stage, circles never mention polygons, and 
   CHECK(count_of(description_of("stack"), "polygon x polygon") == 1);
   for (const std::string name : {"projectile", "circles?substeps=4", "stack"})
     CHECK(count_of(description_of(name), "joint") == 0);
-  CHECK(count_of(description_of("bridge"), "\n  joints ") == 1);
+  CHECK(count_of(description_of("bridge?substeps=4"), "\n  joints ") == 1);
 }
 
 }  // namespace ticktrue::test

@@ -182,6 +182,15 @@ void pass_to_speeds(DirectIsland& island, double h) {
   add_solution(island);
 }
 
+/// The errors that residual_of asks for.
+Triple errors_after_move(const DirectIsland& island, const DirectJoint& joint, const JointShape& shape, const Pose& a,
+                         const Pose& b) {
+  if (!holds_point(shape)) return equations_of(shape, a, b).errors;
+  const Place gap = point_gap(shape, a, b);
+  const bool needs_angle = joint.equations.rigid_count == 3 || is_at_limit(drive_of(island, joint, 2));
+  return {gap.x, gap.y, needs_angle ? angle_error(shape, a, b) : 0};
+}
+
 /// Sets the right-hand side from the errors after the move. Returns the largest distance of a rigid row from its
 /// target, m or rad.
 double set_position_residuals(DirectIsland& island, double h) {
@@ -205,7 +214,7 @@ double set_position_residuals(DirectIsland& island, double h) {
       if (!(magnitude(miss_y) <= most)) most = magnitude(miss_y);
       continue;
     }
-    const Triple then = equations_of(shape, a, b).errors;
+    const Triple then = errors_after_move(island, joint, shape, a, b);
     value = {};
     for (std::size_t row = 0; row < joint.equations.row_count; ++row) {
       value[row] = -residual_of(island, joint, row, then[row], h);
@@ -387,8 +396,8 @@ GraphJoint graph_joint(const JointShape& shape, const DirectJoint& joint, std::s
     if (a_moves && b_moves && acts_on_a != acts_on_b) row.is_last = true;
   }
   row.dimension = equations.row_count > 0 ? equations.row_count : 1;
-  const bool is_of_point = shape.kind == JointKind::revolute || shape.kind == JointKind::weld;
-  row.holds_point = is_of_point && (equations.row_count == 2 || ((!a_moves || a_turns) && (!b_moves || b_turns)));
+  row.holds_point =
+      holds_point(shape) && (equations.row_count == 2 || ((!a_moves || a_turns) && (!b_moves || b_turns)));
   if (row.row_count == 0) row.row_count = 1;
   return row;
 }
@@ -465,8 +474,7 @@ bool raise_inertias(DirectIsland& island, double h) {
   for (std::size_t i = 0; i < island.joints.size(); ++i) {
     const DirectJoint& joint = island.joints[i];
     const JointShape& shape = island.shapes[i];
-    const bool is_point = shape.kind == JointKind::revolute || shape.kind == JointKind::weld;
-    const double across = is_point ? joint.impulses[1] : 0;
+    const double across = holds_point(shape) ? joint.impulses[1] : 0;
     const double impulse = __builtin_sqrt(joint.impulses[0] * joint.impulses[0] + across * across);
     const double ratio = shape.kind == JointKind::pulley ? shape.ratio : 1;
     if (is_moving(island, joint.body_a)) angular_impulses[joint.body_a] += impulse * arm_of(shape.anchor_a);

@@ -78,11 +78,7 @@ class Rows {
     write_point(shape_, a_, b_, equations_);
     equations_.row_count = 2;
   }
-  void angle() {
-    const double c = a_.c * b_.c + a_.s * b_.s;
-    const double s = a_.c * b_.s - a_.s * b_.c;
-    turn(arc_tangent(s * shape_.reference_c - c * shape_.reference_s, c * shape_.reference_c + s * shape_.reference_s));
-  }
+  void angle() { turn(angle_error(shape_, a_, b_)); }
   void turn(double error) { add(error, {0, 0}, -1, {0, 0}, 1); }
   /// A row along an axis that rotates with A.
   void along(Place axis) {
@@ -184,6 +180,12 @@ constexpr std::array<EquationsRow, joint_kinds.size()> joint_equations{{
 static_assert(rows_are_in_order(joint_equations));
 
 }  // namespace
+
+double angle_error(const JointShape& shape, const Pose& a, const Pose& b) {
+  const double c = a.c * b.c + a.s * b.s;
+  const double s = a.c * b.s - a.s * b.c;
+  return arc_tangent(s * shape.reference_c - c * shape.reference_s, c * shape.reference_c + s * shape.reference_s);
+}
 
 bool has_equations(JointKind kind) {
   return info_of(joint_equations, kind).write != nullptr;

@@ -74,6 +74,13 @@ inline Place point_gap(const JointShape& shape, const Pose& a, const Pose& b) {
   return {(b.position.x - a.position.x) + (arm_b.x - arm_a.x), (b.position.y - a.position.y) + (arm_b.y - arm_a.y)};
 }
 
+/// Revolute joints and welds: their first two rows are those of a point, the third that of the angle.
+inline bool holds_point(const JointShape& shape) {
+  return shape.kind == JointKind::revolute || shape.kind == JointKind::weld;
+}
+/// B's angle relative to A's, from the reference, rad.
+double angle_error(const JointShape& shape, const Pose& a, const Pose& b);
+
 /// Requires: has_equations(shape.kind). Pose of the world: Pose{}.
 JointEquations equations_of(const JointShape& shape, const Pose& a, const Pose& b);
 /// Same as equations_of. `equations`: of this shape at other poses, or new ones.
