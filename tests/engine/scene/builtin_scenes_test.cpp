@@ -318,13 +318,13 @@ many_pyramids 12ab8fcaa4c40ff3
 circles 137be1c652260ae9
 mixed_pile 0f9d34b62c288260
 projectile d996cab508eb6dae
-billiards c74d09265d66e7c0
+billiards ad625d007238cfec
 slide ab0304e29ef25745
 shapes 8546d4004f65b5de
 sensors 9347f6ad57d0061c
-pendulum 9e37ec9ebf7d4bcf
+pendulum 887946d549260b93
 chain 09d6f586fc089685
-bridge 5e72f18e37b14844
+bridge f852f6ccf9426651
 joint_grid 7ea07c04b37d811d
 card_house 95e3605bc6d6711c
 thesis_mix 213bcd66bc7064fa
@@ -333,7 +333,7 @@ smash 09fe9583ac4a69ad
 spinner 72da70a024886f0f
 rain 87ef82f0f0d35bdf
 gas e78f8a2a374b2f7a
-loose bae041049659005a
+loose b16afaab66612da6
 resting dfd964cd8cecc333
 )");
 }
