@@ -14,6 +14,7 @@
 #include "tests/support/scenes.h"
 #include "tests/support/text.h"
 #include "tool/experiment/ddmin.h"
+#include "tool/experiment/oracle/physics_checks.h"
 #include "tool/experiment/shrink.h"
 #include "tool/experiment/soak/cache_counts.h"
 #include "tool/experiment/soak/failure_files.h"
@@ -91,6 +92,17 @@ class FlippingEngine : public ForwardingEngine {
  protected:
   virtual bool flips_now() = 0;
   virtual std::size_t flipped_byte() const { return 0; }
+};
+
+/// Refuses a tick as one that exceeds a limit, or as a failure.
+template <ErrorCode code>
+class RefusesTick : public ForwardingEngine {
+ public:
+  using ForwardingEngine::ForwardingEngine;
+  Status step(const TickInput& input, StageObserver* observer) override {
+    if (inner().tick() == 5) return Error{code, "tick 5: refused by the test", {}};
+    return inner().step(input, observer);
+  }
 };
 
 /// Changes a velocity of an f64 world by a millionth in one tick.
@@ -418,6 +430,18 @@ TEST_CASE("a planted change of momentum is found under every solver", "[verifier
     fixture.options.make = OracleFixture().options.make;
     CHECK(examine(soak_case, 1, fixture.options).findings.empty());
   }
+}
+
+TEST_CASE("a tick in free space that exceeds a limit is no fault, another refusal is",
+          "[verifier][soak][conservation]") {
+  SoakCase soak_case = small_case(2);
+  OracleFixture fixture(maker_of<RefusesTick<ErrorCode::limit>>());
+  const CaseInputs inputs(soak_case);
+  BaseRun base;
+  base.tick_count = 10;
+  CHECK_FALSE(check_momentum({soak_case, inputs, fixture.options.make}, base));
+  fixture.options.make = maker_of<RefusesTick<ErrorCode::inconsistent>>();
+  CHECK(check_momentum({soak_case, inputs, fixture.options.make}, base));
 }
 
 TEST_CASE("joints that contradict each other lose momentum by rounding of their impulses alone",

@@ -170,7 +170,10 @@ std::optional<Finding> check_momentum(const RunContext& context, const BaseRun& 
                                     [](const BodyReport& body) { return body.mass >= thesis_static_mass_kg; });
   if (is_heavy && space->scene.settings.solver == engine::SolverKind::impulse) return std::nullopt;
   for (std::uint64_t tick = 0; tick < base.tick_count; ++tick) {
-    if (auto failed = step_tick(engine, no_inputs.at(tick), tick, variant)) return failed;
+    if (auto failed = step_tick(engine, no_inputs.at(tick), tick, variant)) {
+      if (failed->is_beyond) return std::nullopt;  // a tick that exceeds the limits ends the world, and is no fault
+      return failed;
+    }
     if (find_non_finite(engine.state())) return std::nullopt;  // check `finite` examines another world
     tool::Bodies after = engine.bodies();
     const Point p = tool::momentum_of(before), q = tool::momentum_of(after);
