@@ -26,6 +26,7 @@ constexpr int early_pass_count = 4;          // passes that meet the positions w
 constexpr double hard_energy_share = 0.1;    // of the kinetic energy
 constexpr double own_energy_share = 4;       // of the kinetic energy, for changes by rows
 constexpr double driven_energy_share = 100;  // the same where a body drives others through levers
+constexpr double gain_share_max = 0.005;     // of the kinetic energy, which joints may add in a substep
 constexpr double resting_body_speed = 0.05;  // m/s: bodies at rest count with the energy of this speed
 
 double magnitude(double x) {
@@ -366,6 +367,88 @@ void bound_changes(DirectIsland& island, const SavedIsland& since) {
   if (demand.asked > allowed) scale_changes(island, since, __builtin_sqrt(allowed / demand.asked));
 }
 
+/// Twice the kinetic energy, J.
+struct KineticEnergy {
+  double at_start = 0;  // before the first pass of meet_positions
+  double now = 0;
+};
+
+/// `speed`: at the start, the energy of each body counts with the energy of this speed added, m/s.
+KineticEnergy kinetic_energy(const DirectIsland& island, double speed) {
+  KineticEnergy energy;
+  for (std::size_t i = 0; i < island.moving_count; ++i) {
+    const DirectBody& body = island.bodies[i];
+    energy.at_start += double_energy(body, island.start.velocities[i]) + body.mass * (speed * speed);
+    energy.now += double_energy(body, body.velocity);
+  }
+  return energy;
+}
+
+/// Twice the work of springs and motors since the first pass of meet_positions, J.
+double double_work_of_drives(DirectIsland& island) {
+  double work = 0;
+  for_drives(island, [&](const DirectJoint& joint, std::size_t row, const DirectDrive& drive, double) {
+    if (is_at_limit(drive)) return;
+    double speed = row_speed(island, joint, row);
+    if (is_moving(island, joint.body_a))
+      speed += row_product(joint.equations.gradient_a, row, island.start.velocities[joint.body_a]);
+    if (is_moving(island, joint.body_b))
+      speed += row_product(joint.equations.gradient_b, row, island.start.velocities[joint.body_b]);
+    work += joint.impulses[row] * speed;
+  });
+  return work;
+}
+
+/// The velocities that the bodies would have as one rigid body, without a change of momentum and angular momentum.
+void find_rigid_motion(const DirectIsland& island, std::vector<Triple>& velocities) {
+  velocities.assign(island.moving_count, Triple{});
+  if (!island.is_free) return;  // something holds the island: it can stop
+  double mass = 0;
+  double inertia = 0;
+  double spin = 0;  // angular momentum
+  Place centre{};
+  Triple mean{};
+  for (std::size_t i = 0; i < island.moving_count; ++i) {
+    const DirectBody& body = island.bodies[i];
+    mass += body.mass;
+    centre.x += body.mass * body.pose.position.x;
+    centre.y += body.mass * body.pose.position.y;
+    mean[0] += body.mass * body.velocity[0];
+    mean[1] += body.mass * body.velocity[1];
+  }
+  centre = {centre.x / mass, centre.y / mass};
+  mean = {mean[0] / mass, mean[1] / mass, 0};
+  for (std::size_t i = 0; i < island.moving_count; ++i) {
+    const DirectBody& body = island.bodies[i];
+    const double x = body.pose.position.x - centre.x;
+    const double y = body.pose.position.y - centre.y;
+    inertia += body.inertia + body.mass * (x * x + y * y);
+    spin += body.inertia * body.velocity[2] +
+            body.mass * (x * (body.velocity[1] - mean[1]) - y * (body.velocity[0] - mean[0]));
+  }
+  const double turn = inertia > 0 ? spin / inertia : 0;
+  for (std::size_t i = 0; i < island.moving_count; ++i) {
+    const double x = island.bodies[i].pose.position.x - centre.x;
+    const double y = island.bodies[i].pose.position.y - centre.y;
+    velocities[i] = {mean[0] - turn * y, mean[1] + turn * x, turn};
+  }
+}
+
+/// Reduces twice the kinetic energy from `has` to `allowed`. The new velocities keep all rows that the present ones
+/// keep, since rigid motions keep the rows of a free island.
+void slow_down(DirectIsland& island, double has, double allowed) {
+  std::vector<Triple>& rigid = island.saved.velocities;
+  find_rigid_motion(island, rigid);
+  double least = 0;
+  for (std::size_t i = 0; i < island.moving_count; ++i) least += double_energy(island.bodies[i], rigid[i]);
+  const double share = allowed > least && has > least ? __builtin_sqrt((allowed - least) / (has - least)) : 0;
+  for (std::size_t i = 0; i < island.moving_count; ++i)
+    for (std::size_t k = 0; k < 3; ++k) {
+      double& now = island.bodies[i].velocity[k];
+      now = rigid[i][k] + share * (now - rigid[i][k]);
+    }
+}
+
 }  // namespace
 
 Pose moved(const DirectBody& body, double h) {
@@ -574,20 +657,34 @@ void solve_velocities(DirectIsland& island, double h) {
   bound_changes(island, island.saved);
 }
 
+namespace {
+
+/// Limits and springs push the first pass from prediction off its way; in loops rows contradict each other.
+bool is_tree_without_drives(const DirectIsland& island) {
+  return island.joints.size() <= island.moving_count && !island.has_drives;
+}
+
+/// The first pass from the predicted velocities. False: bodies turn too far for it, and nothing has changed. Requires:
+/// the island was saved as `start`.
+bool begin_with_prediction(DirectIsland& island, double h) {
+  set_position_residuals(island, h);
+  add_solution(island);
+  const KineticEnergy energy = kinetic_energy(island, resting_body_speed);
+  if (!(energy.now > (1 + hard_energy_share) * energy.at_start)) return true;
+  restore(island, island.start);
+  return false;
+}
+
+}  // namespace
+
 PositionOutcome meet_positions(DirectIsland& island, double h, double tolerance, int pass_max) {
   save(island, island.start);
-  const bool is_tree = island.joints.size() <= island.moving_count;
-  if (is_tree) {
-    set_position_residuals(island, h);
-    pass_from_residuals(island, h);
-    bound_changes(island, island.start);
-  } else {
-    solve_velocities(island, h);
-  }
+  const bool is_begun = is_tree_without_drives(island) && begin_with_prediction(island, h);
+  if (!is_begun) solve_velocities(island, h);
   save(island, island.saved);
   double miss = set_position_residuals(island, h);
   double early_miss = miss;
-  for (int pass = is_tree ? 1 : 0; pass < pass_max && !(miss <= tolerance); ++pass) {
+  for (int pass = is_begun ? 1 : 0; pass < pass_max && !(miss <= tolerance); ++pass) {
     const double before = miss;
     pass_from_residuals(island, h);
     miss = set_position_residuals(island, h);
@@ -640,6 +737,14 @@ void project_velocities(DirectIsland& island) {
   });
   add_velocities(island);
   bound_changes(island, island.saved);
+}
+
+void bound_gain(DirectIsland& island) {
+  const KineticEnergy energy = kinetic_energy(island, 0);
+  const double most = (1 + gain_share_max) * energy.at_start;
+  if (!(energy.now > most) || asked_speed(island).is_driven) return;
+  const double allowed = most + double_work_of_drives(island);
+  if (energy.now > allowed) slow_down(island, energy.now, allowed);
 }
 
 void factor_rigid_rows(DirectIsland& island) {

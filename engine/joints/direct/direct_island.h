@@ -8,11 +8,13 @@
 //   v" = v' + M^-1 G(x')^T q  with  G(x') v" = 0                     project_velocities
 //
 // The first equation is solved by a few passes with the matrix of the poses x. Trees of joints begin with the predicted
-// velocities. Islands with loops begin with velocities that keep G(x) v' = 0: in a straight bridge, rows contradict
-// each other to second order. The error falls by about h w in each pass, with w the spin. The energy then oscillates
-// and does not drift. Three guards keep the energy from growing. If the passes miss the target, their changes are
-// discarded, and velocities with G(x) v' = 0 are kept instead. The first pass is bounded (bound_changes). If later
-// passes add more than a tenth of the kinetic energy, their changes are scaled.
+// velocities. Islands with loops, limits, springs or motors, and bodies that turn far in a substep, begin with
+// velocities that keep G(x) v' = 0: in a straight bridge, rows contradict each other to second order. The error falls
+// by about h w in each pass, with w the spin. The energy then oscillates and does not drift. Four guards keep the
+// energy from growing. If the passes miss the target, their changes are discarded, and velocities with G(x) v' = 0 are
+// kept instead. The first pass is bounded (bound_changes). If later passes add more than a tenth of the kinetic energy,
+// their changes are scaled. Bodies that whip through a large angle in a substep may still gain energy at positions that
+// are met: they are slowed down afterwards (bound_gain).
 //
 // A gap is corrected by a velocity of bounded energy that bodies have during the move alone (the push).
 #pragma once
@@ -52,7 +54,7 @@ struct DirectJoint {
 
 enum class PositionOutcome : std::uint8_t { met, scaled, missed };
 
-/// What passes change.
+/// The velocities of bodies, the impulses of joints and the drives: what passes change.
 struct SavedIsland {
   std::vector<Triple> velocities;  // [moving body]
   std::vector<Triple> impulses;    // [joint]
@@ -119,6 +121,10 @@ PositionOutcome meet_positions(DirectIsland& island, double h, double tolerance,
 void end_push(DirectIsland& island);
 /// Requires: the system is factored at the poses after the move.
 void project_velocities(DirectIsland& island);
+/// Slows the bodies down if joints have added kinetic energy, which no joint without a drive can. Momentum and angular
+/// momentum of free islands stay. Requires: meet_positions and project_velocities in this substep, and nothing else
+/// acted on the bodies between.
+void bound_gain(DirectIsland& island);
 
 /// Factors the rigid rows alone, for the three functions below. Saves the drives.
 void factor_rigid_rows(DirectIsland& island);

@@ -244,6 +244,7 @@ void project_direct(const SolvedSet& solved, DirectWorkspace& work) {
   for_islands(solved, work, [&](const DirectComponent& component, DirectSetIsland& at) {
     load_velocities(solved, component, at);
     project_velocities(at.island);
+    if (work.turn_count == 1) bound_gain(at.island);
     store_velocities_of(solved, component, at);
   });
 }
