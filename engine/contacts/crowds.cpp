@@ -11,9 +11,7 @@ constexpr Real deep_share = Real(0.2);    // overlap over the size of the smalle
 constexpr std::uint32_t crowd_least = 2;  // deep contacts of a body in a crowd with bodies that move
 
 bool is_deep(const ContactPair& pair) {
-  const ManifoldPoint(&points)[2] = pair.manifold.points;
-  const Real limit = -deep_share * pair.size;
-  return points[0].separation < limit || (pair.manifold.point_count == 2 && points[1].separation < limit);
+  return overlaps_by(pair, deep_share);
 }
 
 /// Whether some contact is deep. All worlds pay for this loop in every tick.

@@ -38,6 +38,7 @@ void raise_inertias(const SolvedSet& solved, std::span<const JointPlace> places,
     torques[places[i].body_b] += of_joints[i].b;
     if (places[i].body_a != no_reference) torques[places[i].body_a] += of_joints[i].a;
   }
+  for (const BodyTorque& gear : work.of_gears) torques[gear.body] += gear.torque;
   const Real per_torque = h * h / turning_limit;
   parallel.for_chunks(torques.size(), parallel.chunk_size(torques.size(), 512), [&](const Chunk& chunk) {
     for (std::size_t row = chunk.begin; row < chunk.end; ++row)

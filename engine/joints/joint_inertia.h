@@ -26,18 +26,24 @@ struct JointTorques {
   Real b;
 };
 
+struct BodyTorque {
+  std::uint32_t body;  // row
+  Real torque;         // N m
+};
+
 struct JointTorqueWork {
   std::vector<JointTorques> of_joints;  // [place of the plan]
-  std::vector<Real> of_bodies;          // [body] sum of the torques of its joints, N m
+  std::vector<BodyTorque> of_gears;     // filled by find_gear_torques
+  std::vector<Real> of_bodies;          // [body] sum of the torques of its joints and gears, N m
 };
 
 template <typename Visit>
 void list_fields(JointTorqueWork& of, const Visit& visit) {
-  auto& [of_joints, of_bodies] = of;
-  visit(of_joints, of_bodies);
+  auto& [of_joints, of_gears, of_bodies] = of;
+  visit(of_joints, of_gears, of_bodies);
 }
 
-/// Raises inertias in SolverBodies::masses where the joint forces of the last substep require it.
+/// Raises inertias in SolverBodies::masses where the forces of joints and gears in the last substep require it.
 void raise_inertias(const SolvedSet& solved, std::span<const JointPlace> places, JointTorqueWork& work);
 
 }  // namespace ticktrue::engine::TICKTRUE_PRECISION

@@ -132,6 +132,30 @@ double share_of(const BodyModel& body, Vec2 anchor, const BodyModel& other, Vec2
   return point < angle ? angle : point;
 }
 
+/// The mobility of a body in the coordinate of a joint: an angle, or a way along an axis with this arm.
+double coordinate_mobility(const BodyModel& body, JointKind kind, Vec2 arm) {
+  const auto inv_inertia = static_cast<double>(body.inv_inertia);
+  if (kind == JointKind::revolute) return inv_inertia;
+  return static_cast<double>(body.inv_mass) + inv_inertia * static_cast<double>(length_squared(arm));
+}
+
+/// Adds the shares of bodies in the mobilities of gears.
+void add_gear_shares(const Model& model, std::vector<double>& sums) {
+  for (const GearModel& gear : model.gears) {
+    double mobilities[4];
+    double all = 0;
+    for (std::size_t i = 0; i < 4; ++i) {
+      const JointModel& joint = model.joints[gear.joints[i / 2]];
+      const Vec2 arm = i % 2 == 0 ? joint.anchor_a : joint.anchor_b;
+      const double scale = i < 2 ? 1 : gear.ratio * gear.ratio;
+      mobilities[i] = scale * coordinate_mobility(model.bodies[gear.bodies[i]], joint.kind, arm);
+      all += mobilities[i];
+    }
+    for (std::size_t i = 0; i < 4; ++i)
+      if (all > 0) sums[gear.bodies[i]] += mobilities[i] / all;
+  }
+}
+
 // Measured on light bodies of 1, 0.01 and 0.0001 kg with 3 to 24 rods of 1 kg, with revolutes and welds. k rods need at
 // most k^2 / 4 iterations, and the sum of their shares is k. In chains and nets the sum is 2 at most.
 constexpr double share_sum_max = 2.5;
@@ -148,6 +172,7 @@ void find_light_bodies(Model& model) {
     sums[joint.body_a] += share_of(a, joint.anchor_a, b, joint.anchor_b, joint.holds_angle);
     sums[joint.body_b] += share_of(b, joint.anchor_b, a, joint.anchor_a, joint.holds_angle);
   }
+  add_gear_shares(model, sums);
   const double most = joint_visits_max / static_cast<double>(model.joints.size() + 1);
   for (std::uint32_t body = 0; body < sums.size(); ++body) {
     if (!(sums[body] > share_sum_max)) continue;

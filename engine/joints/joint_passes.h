@@ -37,7 +37,7 @@ void list_fields(JointWorkspace& of, const Visit& visit) {
 /// order_joints. Requires: prepare_bodies.
 void plan_joints(const SolvedSet& solved, bool may_use_wavefront, std::span<const std::uint8_t> left_out,
                  JointWorkspace& work);
-/// Prepares the joints of a set. Requires: plan_joints.
+/// Prepares the joints of a set. Requires: plan_joints; JointTorqueWork::of_gears is filled.
 void prepare_joints(const SolvedSet& solved, JointWorkspace& work);
 /// Saves the velocities before a substep. Call before the integrator predicts.
 void save_joint_velocities(const SolvedSet& solved, JointWorkspace& work);

@@ -36,6 +36,13 @@ struct ContactPair {
   Real restitution;
 };
 
+/// Whether a point overlaps by more than this share of the smaller shape's size.
+inline bool overlaps_by(const ContactPair& pair, Real share) {
+  const ManifoldPoint(&points)[2] = pair.manifold.points;
+  const Real limit = -share * pair.size;
+  return points[0].separation < limit || (pair.manifold.point_count == 2 && points[1].separation < limit);
+}
+
 /// The closing speed of a pair, m/s: that of its faster point.
 template <typename Velocities>
 Real closing_speed(const ContactPair& pair, const Velocities& a, const Velocities& b) {

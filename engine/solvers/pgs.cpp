@@ -26,6 +26,7 @@ void solve_pgs(const Model& model, State& state, TickLists& tick, SolverWork& wo
     const SolvedSet solved = enter_solver_set(model, state, tick, work.bodies, i, dt);
     prepare_mouse_joints(solved, mouse_joints);
     plan_joints(solved, false, {}, joints);
+    find_gear_torques(solved, joints.torques.of_gears);
     prepare_joints(solved, joints);
     prepare_gears(solved, gears);
     solved.set.stiffness = baumgarte_contacts(dt);

@@ -13,6 +13,16 @@
 #include "engine/solvers/substep_strategies.h"
 
 namespace ticktrue::engine::TICKTRUE_PRECISION {
+namespace {
+
+/// Iterative joints and gears take part in the last turns alone: more passes throw bodies on gears with limits.
+constexpr int joint_turn_max = 2;
+
+bool takes_joints(const DirectWorkspace& direct, int turn) {
+  return turn + joint_turn_max >= direct.turn_count;
+}
+
+}  // namespace
 
 void solve_in_turn(SolvedSet& solved, TickLists& tick, SolverWork& work, State& state) {
   auto& [bodies, motion, free_bodies, contact_work, joints, direct, gears, mouse_joints, impacts, shock,
@@ -38,7 +48,8 @@ void solve_in_turn(SolvedSet& solved, TickLists& tick, SolverWork& work, State& 
     save_before_push(contacts);
     for (int turn = 0; turn < direct.turn_count; ++turn) {  // one, unless something acts on bodies of direct joints
       if (direct.turn_count > 1) solve_direct(solved, motion, direct);
-      for (std::uint32_t i = 0; i < set.joint_iterations; ++i) {
+      const std::uint32_t iterations = takes_joints(direct, turn) ? set.joint_iterations : 0;
+      for (std::uint32_t i = 0; i < iterations; ++i) {
         solve_joints(solved, joints, Bias::on);
         solve_gears(solved, gears, Bias::on);
       }
@@ -55,8 +66,10 @@ void solve_in_turn(SolvedSet& solved, TickLists& tick, SolverWork& work, State& 
     take_back_pushes(solved, contacts);
     for (int turn = 0; turn < direct.turn_count; ++turn) {
       if (turn > 0) project_direct(solved, direct);
-      solve_joints(solved, joints, Bias::off);
-      solve_gears(solved, gears, Bias::off);
+      if (takes_joints(direct, turn)) {
+        solve_joints(solved, joints, Bias::off);
+        solve_gears(solved, gears, Bias::off);
+      }
       relax_contacts(solved, contacts);
     }
     if (!(settled > 0)) settled = settled_speed(solved);
@@ -83,6 +96,7 @@ void solve_tgs_soft(const Model& model, State& state, TickLists& tick, SolverWor
     solved.set.stiffness = soft_contacts(h);
     prepare_mouse_joints(solved, work.mouse_joints);
     const SubstepStrategy solve_substeps = plan_substeps(solved, some_are_free, work);
+    find_gear_torques(solved, work.joints.torques.of_gears);
     prepare_joints(solved, work.joints);
     prepare_gears(solved, work.gears);
     prepare_joint_changes(solved, work.motion);

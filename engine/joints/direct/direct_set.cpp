@@ -17,6 +17,10 @@ constexpr double position_tolerance = sizeof(Real) == 4 ? 5e-6 : 5e-9;
 constexpr double slow_miss = 1e-6;
 /// Alternations of joints and contacts, before the move and after it, if something touches a jointed body of the set.
 constexpr int turn_count_of_touched = 2;
+/// The same if something overlaps a jointed body deeply. A contact pushes with the mobility of its two bodies, and the
+/// joints then take back what they do not let move: of the push of a light link a turn keeps little.
+constexpr int turn_count_of_deep = 8;
+constexpr Real deep_overlap_share = Real(0.1);  // overlap over the size of the smaller shape
 
 Twist twist_of(const Triple& v) {
   return {{static_cast<Real>(v[0]), static_cast<Real>(v[1])}, static_cast<Real>(v[2])};
@@ -107,18 +111,21 @@ void load_poses(const SolvedSet& solved, const DirectComponent& component, Direc
   }
 }
 
-bool is_touched(const SolvedSet& solved, const JointPlan& plan, const std::vector<MouseJoint>& mouse_joints,
-                const DirectComponents& components) {
+int find_turn_count(const SolvedSet& solved, const JointPlan& plan, const std::vector<MouseJoint>& mouse_joints,
+                    const DirectComponents& components) {
   const auto is_direct = [&](std::uint32_t row) { return components.component_of(row) != DirectComponents::none; };
+  int turn_count = 1;
   for (const std::uint32_t contact : solved.contacts()) {
     const ContactPair& pair = solved.tick.contact_pairs[contact];
-    if (is_direct(pair.body_a) || is_direct(pair.body_b)) return true;
+    if (!is_direct(pair.body_a) && !is_direct(pair.body_b)) continue;
+    if (overlaps_by(pair, deep_overlap_share)) return turn_count_of_deep;
+    turn_count = turn_count_of_touched;
   }
   for (const JointPlace& place : plan.places())
-    if (is_direct(place.body_a) || is_direct(place.body_b)) return true;
+    if (is_direct(place.body_a) || is_direct(place.body_b)) return turn_count_of_touched;
   for (const MouseJoint& joint : mouse_joints)
-    if (is_direct(joint.body)) return true;
-  return false;
+    if (is_direct(joint.body)) return turn_count_of_touched;
+  return turn_count;
 }
 
 void fill_bodies(const SolvedSet& solved, const DirectComponent& component, DirectIsland& island) {
@@ -189,7 +196,7 @@ void prepare_direct(const SolvedSet& solved, const JointPlan& plan, const std::v
   if (!work.solves_joints) return;
   list_set_components(solved, work);
   if (work.set_components.empty()) return;
-  if (is_touched(solved, plan, mouse_joints, work.components)) work.turn_count = turn_count_of_touched;
+  work.turn_count = find_turn_count(solved, plan, mouse_joints, work.components);
   for_islands(solved, work,
               [&](const DirectComponent& component, DirectSetIsland& at) { fill_island(solved, component, at); });
 }

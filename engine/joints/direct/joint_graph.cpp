@@ -13,42 +13,135 @@
 namespace ticktrue::engine {
 namespace {
 
-constexpr std::int64_t common_degrees = 3;  // of bodies that move as one
+constexpr std::uint32_t common_degrees = 3;  // of bodies that move as one
 
-/// The freedom that is left to a set of bodies that eliminated joints connect.
-struct Freedom {
-  std::int64_t degrees = 3;
-  std::uint32_t ties = 0;  // eliminated joints to the world or to bodies that are not eliminated
-};
-
-/// Sets of bodies that eliminated joints connect.
-class Components {
+/// Counts the freedom that is left around a joint: the pebble game. Each body has three degrees of freedom, its
+/// pebbles. Each row of an eliminated joint takes one of a body that it acts on. All that is not eliminated counts as
+/// one body, the ground. A row is independent of the others if four free pebbles can be gathered on its bodies. To
+/// gather one, rows along a path are taken over by the next body of the path.
+class Freedom {
  public:
-  Components(std::uint32_t body_count, const std::vector<std::uint8_t>& turns)
-      : parent_(body_count), freedom_(body_count) {
-    for (std::uint32_t body = 0; body < body_count; ++body) {
-      parent_[body] = body;
-      if (!turns.empty() && turns[body] == 0) --freedom_[body].degrees;
+  Freedom(std::uint32_t body_count, const std::vector<GraphJoint>& joints, const std::vector<std::uint8_t>& turns)
+      : joints_(joints),
+        ground_(body_count),
+        is_eliminated_(body_count, false),
+        free_(body_count + 1, common_degrees),
+        owned_(body_count + 1),
+        came_from_(body_count + 1) {
+    for (std::uint32_t body = 0; body < body_count; ++body)
+      if (!turns.empty() && turns[body] == 0) --free_[body];
+  }
+
+  /// Whether the rows are independent of those of eliminated joints.
+  bool is_enough_for(std::uint32_t joint) { return gather(joint, common_degrees + joints_[joint].row_count); }
+
+  /// The joint's rows take their pebbles; those that depend on other rows take none.
+  void eliminate_joint(std::uint32_t joint) {
+    for (std::uint32_t row = 0; row < joints_[joint].row_count; ++row) {
+      if (!gather(joint, common_degrees + 1)) return;
+      for (const std::uint32_t body : bodies_of(joint))
+        if (free_[body] > 0) {
+          take(body, joint);
+          break;
+        }
     }
   }
 
-  std::uint32_t find(std::uint32_t body) { return find_root(parent_, body); }
-  /// False: both were in one set.
-  bool unite(std::uint32_t a, std::uint32_t b) {
-    a = find(a);
-    b = find(b);
-    if (a == b) return false;
-    if (b < a) std::swap(a, b);
-    parent_[b] = a;
-    freedom_[a].degrees += freedom_[b].degrees;
-    freedom_[a].ties += freedom_[b].ties;
-    return true;
+  /// The body leaves the ground. It takes over the rows that act on the ground no more.
+  void eliminate_body(std::uint32_t body) {
+    is_eliminated_[body] = true;
+    std::vector<std::uint32_t> rows;
+    rows.swap(owned_[ground_]);
+    free_[ground_] = common_degrees;
+    for (const std::uint32_t joint : rows) {
+      const Bodies bodies = bodies_of(joint);
+      if (std::find(bodies.begin(), bodies.end(), ground_) != bodies.end())
+        take(ground_, joint);
+      else if (free_[body] > 0)
+        take(body, joint);
+    }
   }
-  Freedom& freedom(std::uint32_t body) { return freedom_[find(body)]; }
 
  private:
-  std::vector<std::uint32_t> parent_;
-  std::vector<Freedom> freedom_;  // [root]
+  using Bodies = std::vector<std::uint32_t>;
+
+  /// Bodies that are not eliminated, and those that no joint moves, are the ground.
+  Bodies bodies_of(std::uint32_t joint) const {
+    const GraphJoint& row = joints_[joint];
+    Bodies bodies;
+    bool is_grounded = row.is_to_world;
+    for (std::uint32_t i = 0; i < row.body_count; ++i) {
+      if (is_eliminated_[row.bodies[i]])
+        bodies.push_back(row.bodies[i]);
+      else
+        is_grounded = true;
+    }
+    if (is_grounded) bodies.push_back(ground_);
+    return bodies;
+  }
+
+  void take(std::uint32_t body, std::uint32_t joint) {
+    --free_[body];
+    owned_[body].push_back(joint);
+  }
+
+  /// Gathers so many free pebbles on the bodies of a joint, if there are so many.
+  bool gather(std::uint32_t joint, std::uint32_t wanted) {
+    const Bodies bodies = bodies_of(joint);
+    std::uint32_t count = 0;
+    for (const std::uint32_t body : bodies) count += free_[body];
+    while (count < wanted && fetch_one(bodies)) ++count;
+    return count >= wanted;
+  }
+
+  /// Frees a pebble of one of the bodies by one that lies elsewhere. False: none can be reached.
+  bool fetch_one(const Bodies& bodies) {
+    std::fill(came_from_.begin(), came_from_.end(), Step{});
+    std::vector<std::uint32_t> queue;
+    for (const std::uint32_t body : bodies) {
+      came_from_[body].is_seen = true;
+      queue.push_back(body);
+    }
+    for (std::size_t at = 0; at < queue.size(); ++at) {
+      const std::uint32_t body = queue[at];
+      for (const std::uint32_t joint : owned_[body])
+        for (const std::uint32_t other : bodies_of(joint)) {
+          if (came_from_[other].is_seen) continue;
+          came_from_[other] = {true, body, joint};
+          if (free_[other] > 0) {
+            hand_over(other);
+            return true;
+          }
+          queue.push_back(other);
+        }
+    }
+    return false;
+  }
+
+  /// Each body on the path to `last` takes over the row that led there.
+  void hand_over(std::uint32_t last) {
+    while (came_from_[last].joint != no_node) {
+      const Step step = came_from_[last];
+      std::vector<std::uint32_t>& rows = owned_[step.body];
+      rows.erase(std::find(rows.begin(), rows.end(), step.joint));
+      ++free_[step.body];
+      take(last, step.joint);
+      last = step.body;
+    }
+  }
+
+  struct Step {
+    bool is_seen = false;
+    std::uint32_t body = 0;
+    std::uint32_t joint = no_node;  // no_node: the path begins here
+  };
+
+  const std::vector<GraphJoint>& joints_;
+  std::uint32_t ground_;
+  std::vector<bool> is_eliminated_;                // [body]
+  std::vector<std::uint32_t> free_;                // [body or ground] pebbles
+  std::vector<std::vector<std::uint32_t>> owned_;  // [body or ground] joints, once for each row
+  std::vector<Step> came_from_;                    // [body or ground] of the search
 };
 
 /// Bodies are the nodes 0 .. body_count - 1, joints the nodes from body_count on.
@@ -57,8 +150,7 @@ class Elimination {
   Elimination(std::uint32_t body_count, const std::vector<GraphJoint>& joints, const std::vector<std::uint8_t>& turns)
       : body_count_(body_count),
         joints_(joints),
-        components_(body_count, turns),
-        tied_(body_count),
+        freedom_(body_count, joints, turns),
         neighbours_(body_count + joints.size()),
         is_done_(body_count + joints.size(), false) {
     for (std::uint32_t joint = 0; joint < joints.size(); ++joint)
@@ -103,22 +195,9 @@ class Elimination {
 
   bool is_ready(std::uint32_t joint) {
     const GraphJoint& row = joints_[joint];
-    std::int64_t degrees = 0;
-    bool is_held = row.is_to_world;
-    for (std::uint32_t i = 0; i < row.body_count; ++i) {
-      if (!is_done_[row.bodies[i]]) {
-        if (row.is_last) return false;
-        is_held = true;
-        continue;
-      }
-      const std::uint32_t root = components_.find(row.bodies[i]);
-      is_held = is_held || components_.freedom(root).ties > 0;
-      bool is_counted = false;
-      for (std::uint32_t k = 0; k < i; ++k)
-        is_counted = is_counted || (is_done_[row.bodies[k]] && components_.find(row.bodies[k]) == root);
-      if (!is_counted) degrees += components_.freedom(root).degrees;
-    }
-    return degrees >= row.row_count + (is_held ? 0 : common_degrees);
+    for (std::uint32_t i = 0; i < row.body_count; ++i)
+      if (row.is_last && !is_done_[row.bodies[i]]) return false;
+    return freedom_.is_enough_for(joint);
   }
 
   /// The next node, and whether the node is a joint that never became ready.
@@ -134,12 +213,9 @@ class Elimination {
     candidates_.erase({degree(node), node});
     is_done_[node] = true;
     if (is_joint(node))
-      tie(node - body_count_);
+      freedom_.eliminate_joint(node - body_count_);
     else
-      for (const std::uint32_t other : tied_[node]) {
-        --components_.freedom(other).ties;
-        components_.unite(node, other);
-      }
+      freedom_.eliminate_body(node);
     const std::vector<std::uint32_t> around = neighbours_[node];
     for (const std::uint32_t neighbour : around) {
       candidates_.erase({degree(neighbour), neighbour});
@@ -149,28 +225,6 @@ class Elimination {
     for (std::size_t i = 0; i < around.size(); ++i)
       for (std::size_t k = i + 1; k < around.size(); ++k) connect(around[i], around[k]);
     for (const std::uint32_t neighbour : around) candidates_.insert({degree(neighbour), neighbour});
-  }
-
-  /// Unites the sets of a joint's eliminated bodies. Later it unites the sets of its other bodies, once they are
-  /// eliminated.
-  void tie(std::uint32_t joint) {
-    const GraphJoint& row = joints_[joint];
-    std::uint32_t first = no_node;
-    for (std::uint32_t i = 0; i < row.body_count; ++i) {
-      const std::uint32_t body = row.bodies[i];
-      if (!is_done_[body]) continue;
-      if (first == no_node) first = body;
-      components_.unite(first, body);
-    }
-    if (first == no_node) return;
-    Freedom& freedom = components_.freedom(first);
-    freedom.degrees -= row.row_count;
-    freedom.ties += row.is_to_world ? 1u : 0u;
-    for (std::uint32_t i = 0; i < row.body_count; ++i) {
-      if (is_done_[row.bodies[i]]) continue;
-      tied_[row.bodies[i]].push_back(first);
-      ++freedom.ties;
-    }
   }
 
   void list_blocks(const std::vector<std::vector<std::uint32_t>>& patterns) {
@@ -251,8 +305,7 @@ class Elimination {
 
   std::uint32_t body_count_;
   const std::vector<GraphJoint>& joints_;
-  Components components_;
-  std::vector<std::vector<std::uint32_t>> tied_;                  // [body] eliminated bodies behind eliminated joints
+  Freedom freedom_;
   std::vector<std::vector<std::uint32_t>> neighbours_;            // [node] not eliminated, ascending
   std::vector<bool> is_done_;                                     // [node]
   std::set<std::pair<std::uint32_t, std::uint32_t>> candidates_;  // degree, node; joints with an eliminated neighbour
@@ -263,11 +316,14 @@ class Elimination {
 }  // namespace
 
 std::uint32_t count_loops(std::uint32_t body_count, const std::vector<GraphJoint>& joints) {
-  Components components(body_count, {});
+  std::vector<std::uint32_t> parents(body_count);
+  for (std::uint32_t body = 0; body < body_count; ++body) parents[body] = body;
   std::uint32_t loop_count = 0;
   for (const GraphJoint& joint : joints)
-    for (std::uint32_t i = 1; i < joint.body_count; ++i)
-      loop_count += components.unite(joint.bodies[0], joint.bodies[i]) ? 0u : 1u;
+    for (std::uint32_t i = 1; i < joint.body_count; ++i) {
+      if (find_root(parents, joint.bodies[0]) == find_root(parents, joint.bodies[i])) ++loop_count;
+      unite(parents, joint.bodies[0], joint.bodies[i]);
+    }
   return loop_count;
 }
 

@@ -1,16 +1,18 @@
 // The order in which the direct joint solver eliminates bodies and joints, and the places of its blocks.
 // SPDX-License-Identifier: MIT
 // Source: Baraff, "Linear-Time Dynamics using Lagrange Multipliers", SIGGRAPH 1996 (bodies and joints as nodes); Tinney
-// and Walker, Proceedings of the IEEE 55, 1967 (least degree first). The count of degrees of freedom is derived here.
+// and Walker, Proceedings of the IEEE 55, 1967 (least degree first); Jacobs and Hendrickson, "An Algorithm for
+// Two-Dimensional Rigidity Percolation: The Pebble Game", Journal of Computational Physics 137, 1997, and Lee and
+// Streinu, "Pebble game algorithms and sparse graphs", Discrete Mathematics 308, 2008 (degrees of freedom, for k = l =
+// 3).
 //
 // The system is [M, G^T; G, -c]: M the masses, G the gradients of the joints' rows, c the compliances. Each body is a
 // node of 3 rows, each joint a node of 1 to 3 rows. In a tree the order below adds no block.
 //
-// A joint may follow when the bodies eliminated around it have at least as many degrees of freedom left as the joint
-// has rows. Therefore each row of a joint must act on each of the eliminated bodies, or the joint follows all its
-// bodies. An eliminated body adds 3 degrees of freedom, an eliminated joint removes its rows, and joined bodies share
-// their degrees. Bodies that nothing else holds keep 3, their common motion. Without this rule, the pivot of a joint in
-// a loop would be a rounding error.
+// A joint may follow when the bodies eliminated around it leave its rows as many degrees of freedom as it has rows; all
+// that is not eliminated counts as the ground. Otherwise the pivot of a joint in a loop would be a rounding error: a
+// body that hangs on the loop has freedom of its own, which is of no use to the loop. Each row of a joint must act on
+// each of the eliminated bodies, or the joint follows all its bodies.
 #pragma once
 
 #include <array>

@@ -116,14 +116,17 @@ bool is_turning_part(const JointWork& part) {
 struct GearPart {
   BodyDirection gradient_a, gradient_b;
   BodyDirection push_a, push_b;
+  Vec2 arm_a, arm_b;  // to the point at which the impulses act, in any frame
 };
 
 GearPart turning_part(const JointWork& part, const JointBodies& pair) {
-  GearPart out{{{0, 0}, -1}, {{0, 0}, 1}, {{0, 0}, -1}, {{0, 0}, 1}};
+  GearPart out{{{0, 0}, -1}, {{0, 0}, 1}, {{0, 0}, -1}, {{0, 0}, 1}, {0, 0}, {0, 0}};
   const ConstrainedAngleRow row = constrained_angle_row(part, point_row(part, pair, ActsAt::middle));
   if (!(row.mobility > 0)) return out;
   out.push_a = {-row.reaction, -1 - cross(row.point.arm_a, row.reaction)};
   out.push_b = {row.reaction, 1 + cross(row.point.arm_b, row.reaction)};
+  out.arm_a = row.point.arm_a;
+  out.arm_b = row.point.arm_b;
   return out;
 }
 
@@ -131,7 +134,12 @@ GearPart sliding_part(const JointWork& part, const JointBodies& pair) {
   const Slide slide = slide_of(part, pair);
   const auto of_a = [](const LineRow& row) -> BodyDirection { return {-row.axis, -row.lever_a}; };
   const auto of_b = [](const LineRow& row) -> BodyDirection { return {row.axis, row.lever_b}; };
-  GearPart out{of_a(slide.along), of_b(slide.along), of_a(slide.along), of_b(slide.along)};
+  GearPart out{of_a(slide.along),
+               of_b(slide.along),
+               of_a(slide.along),
+               of_b(slide.along),
+               {slide.along.lever_a, slide.across.lever_a},
+               {slide.along.lever_b, slide.across.lever_b}};
   if (!moves_something(part)) return out;
   const ConstrainedLineRow row = constrained_line_row(part, slide);
   out.push_a = (out.push_a + row.across * of_a(slide.across)) + BodyDirection{{0, 0}, -row.about_angle};
@@ -139,9 +147,13 @@ GearPart sliding_part(const JointWork& part, const JointBodies& pair) {
   return out;
 }
 
-void add_part(const JointWork& part, const MovingBody* records, Real scale, GearRows& rows) {
+GearPart part_of(const JointWork& part, const MovingBody* records) {
   const JointBodies pair = load(part, records);
-  const GearPart of = is_turning_part(part) ? turning_part(part, pair) : sliding_part(part, pair);
+  return is_turning_part(part) ? turning_part(part, pair) : sliding_part(part, pair);
+}
+
+void add_part(const JointWork& part, const MovingBody* records, Real scale, GearRows& rows) {
+  const GearPart of = part_of(part, records);
   rows.add({part.read_a, part.inv_mass_a, part.inv_inertia_a, scale * of.gradient_a, scale * of.push_a});
   rows.add({part.read_b, part.inv_mass_b, part.inv_inertia_b, scale * of.gradient_b, scale * of.push_b});
 }
@@ -213,6 +225,25 @@ JointWork make_part(const SolvedSet& solved, std::uint32_t joint, const Softness
 }
 
 }  // namespace
+
+void find_gear_torques(const SolvedSet& solved, std::vector<BodyTorque>& torques) {
+  torques.clear();
+  if (solved.state.gears.empty()) return;
+  const State& state = solved.state;
+  for (std::uint32_t i = 0; i < state.joints.size(); ++i) {
+    const JointModel& joint = solved.model.joints[state.joints[i].joint];
+    if (joint.gear == no_gear || !is_of_set(solved, solved.model.gears[joint.gear])) continue;
+    const Vec2 forces = state.joints[i].linear_force;  // on the two coordinates
+    for (std::size_t k = 0; k < 2; ++k) {
+      const JointWork part = make_part(solved, solved.model.gears[joint.gear].joints[k], {});
+      const GearPart of = part_of(part, solved.bodies.records.data());
+      const Real force = absolute(k == 0 ? forces.x : forces.y) * length(of.push_a.linear);
+      // Bodies that joints do not turn may be the dummy body, which has no torque.
+      if (part.inv_inertia_b > 0) torques.push_back({part.read_b, force * length(of.arm_b)});
+      if (part.inv_inertia_a > 0) torques.push_back({part.read_a, force * length(of.arm_a)});
+    }
+  }
+}
 
 void prepare_gears(const SolvedSet& solved, std::vector<GearJoint>& gears) {
   gears.clear();

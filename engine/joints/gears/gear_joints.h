@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "engine/joints/joint.h"
+#include "engine/joints/joint_inertia.h"
 
 namespace ticktrue::engine::TICKTRUE_PRECISION {
 
@@ -25,6 +26,8 @@ struct GearJoint {
   Real impulse;                       // on the first coordinate, N s or N m s
 };
 
+/// The torques that the forces of gears in the last substep exert on their bodies, for prepare_joints.
+void find_gear_torques(const SolvedSet& solved, std::vector<BodyTorque>& torques);
 /// Prepares the gears of a set. Requires: prepare_joints.
 void prepare_gears(const SolvedSet& solved, std::vector<GearJoint>& gears);
 void warm_start_all_gears(const SolvedSet& solved, const std::vector<GearJoint>& gears);

@@ -7,6 +7,7 @@
 #include <cmath>
 #include <limits>
 #include <numeric>
+#include <set>
 
 #include "engine/math/trig.h"
 #include "engine/math/union_find.h"
@@ -263,20 +264,33 @@ double moved_within(const TickView& view, const ContactReport& contact, int poin
   return slid + std::min(rolled, 0.5 * std::min(view.extents[a].size, view.extents[b].size));
 }
 
+/// Pairs of bodies that a weld holds in place against each other, and that collide all the same.
+std::set<std::pair<std::uint32_t, std::uint32_t>> find_welded(const TickView& view) {
+  std::set<std::pair<std::uint32_t, std::uint32_t>> welded;
+  for (std::uint32_t i = 0; i < view.joints.row_count(); ++i) {
+    const Joint& joint = view.scene.joints[view.joints.whole(i, "joint")];
+    if (joint.kind == JointKind::weld && !joint.spring && !joint.linear_spring)
+      welded.insert(std::minmax(joint.body_a, joint.body_b));
+  }
+  return welded;
+}
+
 /// Contact points that are off, and the speed at which contacts push each body.
 std::vector<Offence> contact_offences(const TickView& view, const std::vector<std::uint8_t>& is_crushed,
                                       std::vector<double>& pushed) {
   std::vector<Offence> list;
+  const auto welded = find_welded(view);
   for (const ContactReport& contact : view.contacts) {
     const std::uint32_t a = view.index.at(contact.body_a), b = view.index.at(contact.body_b);
+    if (welded.contains(std::minmax(contact.body_a, contact.body_b))) continue;
     if (view.is_fixed(a, b) || is_crushed[a] || is_crushed[b]) continue;
     const bool are_moving = is_dynamic(view.bodies[a]) && is_dynamic(view.bodies[b]);
     const SoftLaw law =
         soft_law(are_moving ? contact_hertz_h : 2 * contact_hertz_h, contact_damping_ratio, view.substep_of(a, b));
     for (int i = 0; i < contact.point_count; ++i) {
       const double overlap = -contact.separation[i];
-      const double tolerance = view.slack_of(a, b) + moved_within(view, contact, i, a, b, law.bias_rate) +
-                               view.asleep_slack_of(a, b, law.bias_rate);
+      const double least = view.slack_of(a, b) + view.asleep_slack_of(a, b, law.bias_rate);
+      const double tolerance = least + moved_within(view, contact, i, a, b, law.bias_rate);
       if (overlap <= tolerance) continue;
       double mobility = 0;
       for (const std::uint32_t end : {a, b}) {
@@ -298,7 +312,8 @@ std::vector<Offence> contact_offences(const TickView& view, const std::vector<st
       offence.push = std::min(law.bias_rate * overlap, push_speed);
       // A contact that pushes as hard as it can yields without bound.
       offence.is_explained = offence.breach.yielded >= push_speed / law.bias_rate;
-      offence.settling = settling_time(overlap, tolerance, law.bias_rate, push_speed) / view.push_share;
+      // What moves may stop, and is then held to what does not matter.
+      offence.settling = settling_time(overlap, least, law.bias_rate, push_speed) / view.push_share;
       for (const std::uint32_t end : {a, b}) pushed[end] = std::max(pushed[end], offence.push);
       list.push_back(offence);
     }
@@ -329,23 +344,51 @@ void find_squeezed(const TickView& view, std::vector<std::uint8_t>& is_crushed) 
   }
 }
 
-/// Groups of touching and joined bodies that a moving kinematic body drives, and another immovable body holds.
-void find_driven(const TickView& view, std::vector<std::uint8_t>& is_crushed) {
-  const auto count = static_cast<std::uint32_t>(view.bodies.size());
-  Groups groups(count);
-  const auto tie = [&](std::uint32_t a, std::uint32_t b) {
-    if (is_dynamic(view.bodies[a]) && is_dynamic(view.bodies[b])) groups.tie(a, b);
-  };
-  for (const ContactReport& contact : view.contacts)
-    if (overlaps(contact)) tie(view.index.at(contact.body_a), view.index.at(contact.body_b));
+/// The largest of the speeds in each set of bodies that joints tie which are off: [body], m/s. What one pushes, drags
+/// the others.
+std::vector<double> spread_over(const TickView& view, const std::vector<Offence>& joints,
+                                const std::vector<double>& speeds) {
+  Groups groups(speeds.size());
+  for (const Offence& joint : joints)
+    if (is_dynamic(view.bodies[joint.body_a]) && is_dynamic(view.bodies[joint.body_b]))
+      groups.tie(joint.body_a, joint.body_b);
+  std::vector<double> most(speeds.size()), spread(speeds.size());
+  for (std::uint32_t i = 0; i < speeds.size(); ++i) most[groups.of(i)] = std::max(most[groups.of(i)], speeds[i]);
+  for (std::uint32_t i = 0; i < speeds.size(); ++i) spread[i] = most[groups.of(i)];
+  return spread;
+}
+
+/// Calls tie(a, b) for the moving bodies of each joint.
+template <typename Tie>
+void tie_joined(const TickView& view, const Tie& tie) {
   for (std::uint32_t i = 0; i < view.joints.row_count(); ++i) {
     std::optional<std::uint32_t> last;
     engine::for_each_body(view.scene, view.scene.joints[view.joints.whole(i, "joint")], [&](std::uint32_t id) {
-      if (!is_dynamic(view.bodies[view.index.at(id)])) return;
-      if (last) tie(*last, view.index.at(id));
-      last = view.index.at(id);
+      const std::uint32_t body = view.index.at(id);
+      if (!is_dynamic(view.bodies[body])) return;
+      if (last) tie(*last, body);
+      last = body;
     });
   }
+}
+
+/// Calls tie(a, b) for moving bodies that overlap.
+template <typename Tie>
+void tie_touching(const TickView& view, const Tie& tie) {
+  for (const ContactReport& contact : view.contacts) {
+    const std::uint32_t a = view.index.at(contact.body_a), b = view.index.at(contact.body_b);
+    if (overlaps(contact) && is_dynamic(view.bodies[a]) && is_dynamic(view.bodies[b])) tie(a, b);
+  }
+}
+
+/// Groups of touching and joined bodies that a moving kinematic body drives, by touch or by a joint, and another
+/// immovable body holds.
+void find_driven(const TickView& view, std::vector<std::uint8_t>& is_crushed) {
+  const auto count = static_cast<std::uint32_t>(view.bodies.size());
+  Groups groups(count);
+  const auto tie = [&](std::uint32_t a, std::uint32_t b) { groups.tie(a, b); };
+  tie_touching(view, tie);
+  tie_joined(view, tie);
   struct Hold {
     std::optional<std::uint32_t> first;  // immovable body
     bool is_driven = false;
@@ -369,10 +412,21 @@ void find_driven(const TickView& view, std::vector<std::uint8_t>& is_crushed) {
     }
     hold(wall, wall == a ? b : a, is_driven);
   }
+  const auto drives = [&](std::uint32_t wall) {
+    const BodyReport& body = view.bodies[wall];
+    return body.type == BodyType::kinematic_body && (tool::speed_of(body) != 0 || body.angular_velocity != 0);
+  };
+  for (std::uint32_t i = 0; i < view.joints.row_count(); ++i) {
+    const Joint& joint = view.scene.joints[view.joints.whole(i, "joint")];
+    if (!engine::has_body_a(joint.kind)) continue;
+    const std::uint32_t a = view.index.at(joint.body_a), b = view.index.at(joint.body_b);
+    if (drives(a) && is_dynamic(view.bodies[b])) hold(a, b, true);
+    if (drives(b) && is_dynamic(view.bodies[a])) hold(b, a, true);
+  }
   // Between impacts, bodies need not touch what drives them at the end of a tick.
   for (std::uint32_t wall = 0; wall < count; ++wall) {
     const BodyReport& body = view.bodies[wall];
-    if (body.type != BodyType::kinematic_body || (tool::speed_of(body) == 0 && body.angular_velocity == 0)) continue;
+    if (!drives(wall)) continue;
     for (std::uint32_t i = 0; i < count; ++i) {
       const BodyReport& other = view.bodies[i];
       if (!is_dynamic(other)) continue;
@@ -392,15 +446,16 @@ void explain(std::vector<Offence>& list, const std::vector<double>& other) {
                             std::max(other[offence.body_a], other[offence.body_b]) > offence.push;
 }
 
-/// What is off together is pushed out together: the time of the slowest, and the way of all.
+/// What is off together is pushed out together: the time of the slowest, and the way of all. Pushes pass through joints
+/// and contacts that are not off.
 std::vector<double> times_of_clusters(const TickView& view, const std::vector<const Offence*>& offences,
                                       Groups& clusters) {
   const auto cluster_of = [&](const Offence& offence) {
     return clusters.of(is_dynamic(view.bodies[offence.body_a]) ? offence.body_a : offence.body_b);
   };
-  for (const Offence* offence : offences)
-    if (is_dynamic(view.bodies[offence->body_a]) && is_dynamic(view.bodies[offence->body_b]))
-      clusters.tie(offence->body_a, offence->body_b);
+  const auto tie = [&](std::uint32_t a, std::uint32_t b) { clusters.tie(a, b); };
+  tie_joined(view, tie);
+  tie_touching(view, tie);
   std::vector<double> ways(view.bodies.size()), longest(view.bodies.size()), times;
   for (const Offence* offence : offences) {
     const std::uint32_t cluster = cluster_of(*offence);
@@ -484,7 +539,7 @@ void ConstraintLaw::look(const engine::Engine& engine, double dt) {
   std::vector<Offence> joints = joint_offences(view, pulled);
   std::vector<Offence> contacts = contact_offences(view, is_crushed, pushed);
   explain(contacts, pulled);
-  explain(joints, pushed);
+  explain(joints, spread_over(view, joints, pushed));
   std::vector<const Offence*> all;
   for (const Offence& offence : contacts) all.push_back(&offence);
   for (const Offence& offence : joints) all.push_back(&offence);
