@@ -283,6 +283,9 @@ TEST_CASE("each command that a message prints can be run as it stands", "[cli][h
 TEST_CASE("the window's sessions and pictures work without a display", "[cli][play]") {
   run_cases("play.case");
 }
+TEST_CASE("options that people rarely type", "[cli][play]") {
+  run_cases("options.case");
+}
 
 TEST_CASE("more shapes in one place than a tick can look at are told, and what came before is kept", "[cli][limits]") {
   run_cases("crowds.case");
