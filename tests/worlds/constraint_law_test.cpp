@@ -401,10 +401,12 @@ TEST_CASE("a body that its scene throws does not break a rule", "[verifier][soak
 
 TEST_CASE("worlds that once broke a rule of physics break none", "[verifier][soak][law]") {
   // 52: gears over sliders under a lasting load threw bodies. The others: contacts pushed bodies of direct joints out
-  // too slowly, and friction held a pinned box in the ground.
-  for (const std::uint64_t index : {52, 820, 3069, 3328, 4809}) {
-    CAPTURE(index);
-    const SoakCase world = soak::random_worlds().make(soak::world_seed(20261831, index)).soak_case;
+  // too slowly, and friction held a pinned box in the ground. The joints of the net 1084 give back what stretched them.
+  using World = std::pair<std::uint64_t, std::uint64_t>;  // seed and index
+  for (const auto& [seed, index] : {World{20261831, 52}, World{20261831, 820}, World{20261831, 3069},
+                                    World{20261831, 3328}, World{20261831, 4809}, World{20261841, 1084}}) {
+    CAPTURE(seed, index);
+    const SoakCase world = soak::random_worlds().make(soak::world_seed(seed, index)).soak_case;
     const CaseInputs inputs(world);
     const soak::RunContext context{world, inputs, engine::make_engine};
     BaseRun base = soak::run_base(context, {});

@@ -191,8 +191,8 @@ bool overlaps(const ContactReport& contact) {
   return contact.separation[0] < 0 || (contact.point_count == 2 && contact.separation[1] < 0);
 }
 
-/// Joints that are off, and the speed at which joints pull each body.
-std::vector<Offence> joint_offences(const TickView& view, std::vector<double>& pulled) {
+/// Joints that are off, the speed at which joints pull each body, and the energy that joints store.
+std::vector<Offence> joint_offences(const TickView& view, std::vector<double>& pulled, double& stored) {
   std::vector<Offence> list;
   const std::vector<double> gaps = tool::joint_gaps(view.scene, view.bodies);
   const bool is_direct = view.scene.settings.joints == engine::JointSolverKind::direct;
@@ -231,6 +231,7 @@ std::vector<Offence> joint_offences(const TickView& view, std::vector<double>& p
     const double rate = std::min(law.bias_rate, is_direct ? direct_push_rate : infinite);
     const double tolerance =
         view.slack_of(ends[0], ends[1]) + turned_away + view.asleep_slack_of(ends[0], ends[1], rate);
+    if (mobility > 0) stored += 0.5 * law.omega * law.omega / mobility * gap * gap;
     Offence offence;
     offence.push = law.bias_rate * gap;
     for (const std::uint32_t end : ends) pulled[end] = std::max(pulled[end], offence.push);
@@ -536,7 +537,8 @@ void ConstraintLaw::look(const engine::Engine& engine, double dt) {
   find_driven(view, is_crushed);
 
   std::vector<double> pulled(view.bodies.size()), pushed(view.bodies.size());
-  std::vector<Offence> joints = joint_offences(view, pulled);
+  stored_energy_ = 0;
+  std::vector<Offence> joints = joint_offences(view, pulled, stored_energy_);
   std::vector<Offence> contacts = contact_offences(view, is_crushed, pushed);
   explain(contacts, pulled);
   explain(joints, spread_over(view, joints, pushed));

@@ -44,6 +44,8 @@ class ConstraintLaw {
   /// The first breach of the run.
   const std::optional<Breach>& overlap() const { return overlap_; }
   const std::optional<Breach>& gap() const { return gap_; }
+  /// The energy that joints hold by what they are off, after the last look, J: that of springs of stiffness w^2 / K.
+  double stored_energy() const { return stored_energy_; }
 
   /// Sizes of a body, m; infinity where lines alone have none.
   struct Extent {
@@ -65,6 +67,7 @@ class ConstraintLaw {
   std::map<Key, Clock> joint_clocks_;        // [joint, 0]
   std::optional<Breach> overlap_;
   std::optional<Breach> gap_;
+  double stored_energy_ = 0;
 };
 
 }  // namespace ticktrue::soak
