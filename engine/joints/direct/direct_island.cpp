@@ -3,6 +3,7 @@
 // Source: as direct_island.h.
 #include "engine/joints/direct/direct_island.h"
 
+#include <algorithm>
 #include <utility>
 
 #include "engine/joints/direct/direct_system.h"
@@ -434,6 +435,17 @@ void find_rigid_motion(const DirectIsland& island, std::vector<Triple>& velociti
   }
 }
 
+/// Whether a body that joints do not move moves.
+bool is_driven(const DirectIsland& island) {
+  const auto drives = [&island](std::uint32_t body) {
+    if (body == no_direct_body || is_moving(island, body)) return false;
+    const Triple& v = island.bodies[body].velocity;
+    return v[0] != 0 || v[1] != 0 || v[2] != 0;
+  };
+  return std::any_of(island.joints.begin(), island.joints.end(),
+                     [&](const DirectJoint& joint) { return drives(joint.body_a) || drives(joint.body_b); });
+}
+
 /// Reduces twice the kinetic energy from `has` to `allowed`. The new velocities keep all rows that the present ones
 /// keep, since rigid motions keep the rows of a free island.
 void slow_down(DirectIsland& island, double has, double allowed) {
@@ -742,7 +754,7 @@ void project_velocities(DirectIsland& island) {
 void bound_gain(DirectIsland& island) {
   const KineticEnergy energy = kinetic_energy(island, 0);
   const double most = (1 + gain_share_max) * energy.at_start;
-  if (!(energy.now > most) || asked_speed(island).is_driven) return;
+  if (!(energy.now > most) || is_driven(island)) return;
   const double allowed = most + double_work_of_drives(island);
   if (energy.now > allowed) slow_down(island, energy.now, allowed);
 }
