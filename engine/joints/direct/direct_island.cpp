@@ -385,21 +385,6 @@ KineticEnergy kinetic_energy(const DirectIsland& island, double speed) {
   return energy;
 }
 
-/// Twice the work of springs and motors since the first pass of meet_positions, J.
-double double_work_of_drives(DirectIsland& island) {
-  double work = 0;
-  for_drives(island, [&](const DirectJoint& joint, std::size_t row, const DirectDrive& drive, double) {
-    if (is_at_limit(drive)) return;
-    double speed = row_speed(island, joint, row);
-    if (is_moving(island, joint.body_a))
-      speed += row_product(joint.equations.gradient_a, row, island.start.velocities[joint.body_a]);
-    if (is_moving(island, joint.body_b))
-      speed += row_product(joint.equations.gradient_b, row, island.start.velocities[joint.body_b]);
-    work += joint.impulses[row] * speed;
-  });
-  return work;
-}
-
 /// The velocities that the bodies would have as one rigid body, without a change of momentum and angular momentum.
 void find_rigid_motion(const DirectIsland& island, std::vector<Triple>& velocities) {
   velocities.assign(island.moving_count, Triple{});
@@ -435,8 +420,10 @@ void find_rigid_motion(const DirectIsland& island, std::vector<Triple>& velociti
   }
 }
 
-/// Whether a body that joints do not move moves.
+/// Whether springs, motors or moving bodies that joints do not move may add energy.
 bool is_driven(const DirectIsland& island) {
+  for (const DirectDrive& drive : island.drives)
+    if (drive.has_spring || drive.has_motor) return true;
   const auto drives = [&island](std::uint32_t body) {
     if (body == no_direct_body || is_moving(island, body)) return false;
     const Triple& v = island.bodies[body].velocity;
@@ -701,7 +688,8 @@ PositionOutcome meet_positions(DirectIsland& island, double h, double tolerance,
     pass_from_residuals(island, h);
     miss = set_position_residuals(island, h);
     if (pass < early_pass_count) early_miss = miss;
-    if (!(miss <= converging_share * before)) break;  // further passes would diverge
+    const bool may_rise = island.has_drives && pass < early_pass_count;  // a limit that begins to act moves its target
+    if (!may_rise && !(miss <= converging_share * before)) break;        // further passes would diverge
   }
   if (!(early_miss <= island.worst_miss)) island.worst_miss = early_miss;
   if (!(miss <= miss_least)) {
@@ -753,10 +741,8 @@ void project_velocities(DirectIsland& island) {
 
 void bound_gain(DirectIsland& island) {
   const KineticEnergy energy = kinetic_energy(island, 0);
-  const double most = (1 + gain_share_max) * energy.at_start;
-  if (!(energy.now > most) || is_driven(island)) return;
-  const double allowed = most + double_work_of_drives(island);
-  if (energy.now > allowed) slow_down(island, energy.now, allowed);
+  const double allowed = (1 + gain_share_max) * energy.at_start;
+  if (energy.now > allowed && !is_driven(island)) slow_down(island, energy.now, allowed);
 }
 
 void factor_rigid_rows(DirectIsland& island) {
