@@ -12,9 +12,9 @@
 // velocities that keep G(x) v' = 0: in a straight bridge, rows contradict each other to second order. The error falls
 // by about h w in each pass, with w the spin. The energy then oscillates and does not drift. Four guards keep the
 // energy from growing. If the passes miss the target, their changes are discarded, and velocities with G(x) v' = 0 are
-// kept instead. The first pass is bounded (bound_changes). If later passes add more than a tenth of the kinetic energy,
-// their changes are scaled. Bodies that whip through a large angle in a substep may still gain energy at positions that
-// are met: they are slowed down afterwards (bound_gain).
+// kept instead. The first pass is bounded (begin_with_prediction, bound_changes). If later passes add more than a tenth
+// of the kinetic energy, their changes are scaled. Bodies that whip through a large angle in a substep may still gain
+// energy at positions that are met: they are slowed down afterwards (bound_gain).
 //
 // A gap is corrected by a velocity of bounded energy that bodies have during the move alone (the push).
 #pragma once

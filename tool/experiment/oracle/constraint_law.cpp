@@ -313,7 +313,7 @@ std::vector<Offence> contact_offences(const TickView& view, const std::vector<st
       offence.push = std::min(law.bias_rate * overlap, push_speed);
       // A contact that pushes as hard as it can yields without bound.
       offence.is_explained = offence.breach.yielded >= push_speed / law.bias_rate;
-      // What moves may stop, and is then held to what does not matter.
+      // A contact that slides may stop. Then the slack alone is allowed.
       offence.settling = settling_time(overlap, least, law.bias_rate, push_speed) / view.push_share;
       for (const std::uint32_t end : {a, b}) pushed[end] = std::max(pushed[end], offence.push);
       list.push_back(offence);
@@ -345,8 +345,8 @@ void find_squeezed(const TickView& view, std::vector<std::uint8_t>& is_crushed) 
   }
 }
 
-/// The largest of the speeds in each set of bodies that joints tie which are off: [body], m/s. What one pushes, drags
-/// the others.
+/// [body] the largest of `speeds` among the bodies that joints with gaps connect to it, m/s. A push on one of them
+/// drags the others along.
 std::vector<double> spread_over(const TickView& view, const std::vector<Offence>& joints,
                                 const std::vector<double>& speeds) {
   Groups groups(speeds.size());
@@ -447,8 +447,8 @@ void explain(std::vector<Offence>& list, const std::vector<double>& other) {
                             std::max(other[offence.body_a], other[offence.body_b]) > offence.push;
 }
 
-/// What is off together is pushed out together: the time of the slowest, and the way of all. Pushes pass through joints
-/// and contacts that are not off.
+/// Errors of connected bodies are corrected together, in the time of the slowest plus the way of all. Joints and
+/// touching shapes connect bodies, since pushes pass through them.
 std::vector<double> times_of_clusters(const TickView& view, const std::vector<const Offence*>& offences,
                                       Groups& clusters) {
   const auto cluster_of = [&](const Offence& offence) {
