@@ -3,9 +3,9 @@
 // Source: as direct_island.h.
 #include "engine/joints/direct/direct_island.h"
 
-#include <algorithm>
 #include <utility>
 
+#include "engine/joints/direct/direct_energy.h"
 #include "engine/joints/direct/direct_system.h"
 #include "engine/math/trig.h"
 
@@ -14,37 +14,18 @@ namespace {
 
 constexpr double push_rate = 48;          // 1/s, of a gap: a substep of 1/240 s closes a fifth
 constexpr double push_share_max = 0.2;    // of a gap in a substep
-constexpr double push_speed_max = 3;      // m/s, of a row
-constexpr double push_body_speed = 0.1;   // m/s: the push has at most the energy of all bodies at this speed
 constexpr double gap_of_rounding = 1e-6;  // m: corrected without this bound
 
 /// The limit of h^2 F r, relative to the inertia.
 constexpr double turning_limit = 2;
 
-constexpr double miss_least = 1e-3;          // m
-constexpr double converging_share = 0.6;     // of the miss, which a pass leaves at most
-constexpr int early_pass_count = 4;          // passes that meet the positions where a substep is short enough
-constexpr double hard_energy_share = 0.1;    // of the kinetic energy
-constexpr double own_energy_share = 4;       // of the kinetic energy, for changes by rows
-constexpr double driven_energy_share = 100;  // the same where a body drives others through levers
-constexpr double gain_share_max = 0.005;     // of the kinetic energy, which joints may add in a substep
-constexpr double resting_body_speed = 0.05;  // m/s: bodies at rest count with the energy of this speed
-
-double magnitude(double x) {
-  return x < 0 ? -x : x;
-}
-
-double arm_of(Place p) {
-  return __builtin_sqrt(p.x * p.x + p.y * p.y);
-}
+constexpr double hard_energy_share = 0.1;  // of the kinetic energy
+constexpr double miss_least = 1e-3;        // m
+constexpr double converging_share = 0.6;   // of the miss, which a pass leaves at most
+constexpr int early_pass_count = 4;        // passes that meet the positions where a substep is short enough
 
 double row_product(const Block& gradient, std::size_t row, const Triple& v) {
   return (gradient[3 * row] * v[0] + gradient[3 * row + 1] * v[1]) + gradient[3 * row + 2] * v[2];
-}
-
-/// Twice the kinetic energy, J.
-double double_energy(const DirectBody& body, const Triple& v) {
-  return body.mass * (v[0] * v[0] + v[1] * v[1]) + body.inertia * (v[2] * v[2]);
 }
 
 /// sin_cos, faster for small angles.
@@ -280,172 +261,6 @@ void settle(DirectIsland& island, double h, const Pass& pass) {
 void pass_from_residuals(DirectIsland& island, double h) {
   add_solution(island);
   settle(island, h, pass_to_positions);
-}
-
-/// Scales by `share` the changes of velocities and impulses since the island was saved.
-void scale_changes(DirectIsland& island, const SavedIsland& since, double share) {
-  for (std::size_t i = 0; i < island.moving_count; ++i)
-    for (std::size_t k = 0; k < 3; ++k) {
-      const double saved = since.velocities[i][k];
-      double& now = island.bodies[i].velocity[k];
-      now = saved + share * (now - saved);
-    }
-  for (std::size_t i = 0; i < island.joints.size(); ++i)
-    for (std::size_t row = 0; row < 3; ++row) {
-      const double saved = since.impulses[i][row];
-      double& now = island.joints[i].impulses[row];
-      now = saved + share * (now - saved);
-    }
-}
-
-void save(const DirectIsland& island, SavedIsland& saved) {
-  saved.velocities.resize(island.moving_count);
-  for (std::size_t i = 0; i < island.moving_count; ++i) saved.velocities[i] = island.bodies[i].velocity;
-  saved.impulses.resize(island.joints.size());
-  for (std::size_t i = 0; i < island.joints.size(); ++i) saved.impulses[i] = island.joints[i].impulses;
-  saved.drives = island.drives;
-}
-
-void restore(DirectIsland& island, const SavedIsland& saved) {
-  for (std::size_t i = 0; i < island.moving_count; ++i) island.bodies[i].velocity = saved.velocities[i];
-  for (std::size_t i = 0; i < island.joints.size(); ++i) island.joints[i].impulses = saved.impulses[i];
-  island.drives = saved.drives;
-}
-
-/// Twice the energy of the changes since the island was saved, and twice the energy before the changes, J.
-struct EnergyDemand {
-  double asked = 0;
-  double had = 0;
-};
-
-/// `speed`: the energy of each body counts with the energy of this speed added, m/s.
-EnergyDemand energy_demand(const DirectIsland& island, const SavedIsland& since, double speed) {
-  EnergyDemand demand;
-  for (std::size_t i = 0; i < island.moving_count; ++i) {
-    const DirectBody& body = island.bodies[i];
-    const Triple& saved = since.velocities[i];
-    demand.asked +=
-        double_energy(body, {body.velocity[0] - saved[0], body.velocity[1] - saved[1], body.velocity[2] - saved[2]});
-    demand.had += double_energy(body, saved) + body.mass * (speed * speed);
-  }
-  return demand;
-}
-
-/// The speeds that rows require besides rest, m/s.
-struct AskedSpeed {
-  double sum = 0;
-  bool is_driven = false;  // by a body that joints do not move
-};
-
-AskedSpeed asked_speed(const DirectIsland& island) {
-  AskedSpeed asked;
-  const auto consider = [&](std::uint32_t body, Place anchor) {
-    if (body == no_direct_body || is_moving(island, body)) return;
-    const Triple& v = island.bodies[body].velocity;
-    const double speed = __builtin_sqrt(v[0] * v[0] + v[1] * v[1]) + magnitude(v[2]) * arm_of(anchor);
-    asked.is_driven = asked.is_driven || speed > 0;
-    if (speed > asked.sum) asked.sum = speed;
-  };
-  for (std::size_t i = 0; i < island.joints.size(); ++i) {
-    consider(island.joints[i].body_a, island.shapes[i].anchor_a);
-    consider(island.joints[i].body_b, island.shapes[i].anchor_b);
-  }
-  asked.sum += push_body_speed + resting_body_speed;
-  for (const DirectDrive& drive : island.drives) {
-    if (drive.has_spring) asked.sum += drive.pull * magnitude(drive.start_error);
-    if (drive.has_motor) asked.sum += magnitude(drive.motor_speed);
-    if (drive.has_limits) asked.sum += push_speed_max;
-  }
-  return asked;
-}
-
-/// Rows only remove velocities, apart from the speeds that they require. Larger changes come from rows that contradict
-/// each other: the function scales the changes, and a gap opens. Requires: the island was saved before the changes.
-void bound_changes(DirectIsland& island, const SavedIsland& since) {
-  const AskedSpeed speed = asked_speed(island);
-  const EnergyDemand demand = energy_demand(island, since, speed.sum);
-  const double allowed = (speed.is_driven ? driven_energy_share : own_energy_share) * demand.had;
-  if (demand.asked > allowed) scale_changes(island, since, __builtin_sqrt(allowed / demand.asked));
-}
-
-/// Twice the kinetic energy, J.
-struct KineticEnergy {
-  double at_start = 0;  // before the first pass of meet_positions
-  double now = 0;
-};
-
-/// `speed`: at the start, the energy of each body counts with the energy of this speed added, m/s.
-KineticEnergy kinetic_energy(const DirectIsland& island, double speed) {
-  KineticEnergy energy;
-  for (std::size_t i = 0; i < island.moving_count; ++i) {
-    const DirectBody& body = island.bodies[i];
-    energy.at_start += double_energy(body, island.start.velocities[i]) + body.mass * (speed * speed);
-    energy.now += double_energy(body, body.velocity);
-  }
-  return energy;
-}
-
-/// The velocities that the bodies would have as one rigid body, without a change of momentum and angular momentum.
-void find_rigid_motion(const DirectIsland& island, std::vector<Triple>& velocities) {
-  velocities.assign(island.moving_count, Triple{});
-  if (!island.is_free) return;  // something holds the island: it can stop
-  double mass = 0;
-  double inertia = 0;
-  double spin = 0;  // angular momentum
-  Place centre{};
-  Triple mean{};
-  for (std::size_t i = 0; i < island.moving_count; ++i) {
-    const DirectBody& body = island.bodies[i];
-    mass += body.mass;
-    centre.x += body.mass * body.pose.position.x;
-    centre.y += body.mass * body.pose.position.y;
-    mean[0] += body.mass * body.velocity[0];
-    mean[1] += body.mass * body.velocity[1];
-  }
-  centre = {centre.x / mass, centre.y / mass};
-  mean = {mean[0] / mass, mean[1] / mass, 0};
-  for (std::size_t i = 0; i < island.moving_count; ++i) {
-    const DirectBody& body = island.bodies[i];
-    const double x = body.pose.position.x - centre.x;
-    const double y = body.pose.position.y - centre.y;
-    inertia += body.inertia + body.mass * (x * x + y * y);
-    spin += body.inertia * body.velocity[2] +
-            body.mass * (x * (body.velocity[1] - mean[1]) - y * (body.velocity[0] - mean[0]));
-  }
-  const double turn = inertia > 0 ? spin / inertia : 0;
-  for (std::size_t i = 0; i < island.moving_count; ++i) {
-    const double x = island.bodies[i].pose.position.x - centre.x;
-    const double y = island.bodies[i].pose.position.y - centre.y;
-    velocities[i] = {mean[0] - turn * y, mean[1] + turn * x, turn};
-  }
-}
-
-/// Whether springs, motors or moving bodies that joints do not move may add energy.
-bool is_driven(const DirectIsland& island) {
-  for (const DirectDrive& drive : island.drives)
-    if (drive.has_spring || drive.has_motor) return true;
-  const auto drives = [&island](std::uint32_t body) {
-    if (body == no_direct_body || is_moving(island, body)) return false;
-    const Triple& v = island.bodies[body].velocity;
-    return v[0] != 0 || v[1] != 0 || v[2] != 0;
-  };
-  return std::any_of(island.joints.begin(), island.joints.end(),
-                     [&](const DirectJoint& joint) { return drives(joint.body_a) || drives(joint.body_b); });
-}
-
-/// Reduces twice the kinetic energy from `has` to `allowed`. The new velocities keep all rows that the present ones
-/// keep, since rigid motions keep the rows of a free island.
-void slow_down(DirectIsland& island, double has, double allowed) {
-  std::vector<Triple>& rigid = island.saved.velocities;
-  find_rigid_motion(island, rigid);
-  double least = 0;
-  for (std::size_t i = 0; i < island.moving_count; ++i) least += double_energy(island.bodies[i], rigid[i]);
-  const double share = allowed > least && has > least ? __builtin_sqrt((allowed - least) / (has - least)) : 0;
-  for (std::size_t i = 0; i < island.moving_count; ++i)
-    for (std::size_t k = 0; k < 3; ++k) {
-      double& now = island.bodies[i].velocity[k];
-      now = rigid[i][k] + share * (now - rigid[i][k]);
-    }
 }
 
 }  // namespace
@@ -737,12 +552,6 @@ void project_velocities(DirectIsland& island) {
   });
   add_velocities(island);
   bound_changes(island, island.saved);
-}
-
-void bound_gain(DirectIsland& island) {
-  const KineticEnergy energy = kinetic_energy(island, 0);
-  const double allowed = (1 + gain_share_max) * energy.at_start;
-  if (energy.now > allowed && !is_driven(island)) slow_down(island, energy.now, allowed);
 }
 
 void factor_rigid_rows(DirectIsland& island) {

@@ -14,7 +14,7 @@
 // energy from growing. If the passes miss the target, their changes are discarded, and velocities with G(x) v' = 0 are
 // kept instead. The first pass is bounded (begin_with_prediction, bound_changes). If later passes add more than a tenth
 // of the kinetic energy, their changes are scaled. Bodies that whip through a large angle in a substep may still gain
-// energy at positions that are met: they are slowed down afterwards (bound_gain).
+// energy at positions that are met: they are slowed down afterwards (bound_gain in direct_energy.h).
 //
 // A gap is corrected by a velocity of bounded energy that bodies have during the move alone (the push).
 #pragma once
@@ -121,10 +121,6 @@ PositionOutcome meet_positions(DirectIsland& island, double h, double tolerance,
 void end_push(DirectIsland& island);
 /// Requires: the system is factored at the poses after the move.
 void project_velocities(DirectIsland& island);
-/// Slows the bodies down if joints have added kinetic energy, which no joint without a drive can. Momentum and angular
-/// momentum of free islands stay. Requires: meet_positions and project_velocities in this substep, and nothing else
-/// acted on the bodies between.
-void bound_gain(DirectIsland& island);
 
 /// Factors the rigid rows alone, for the three functions below. Saves the drives.
 void factor_rigid_rows(DirectIsland& island);

@@ -4,6 +4,7 @@
 
 #include "engine/integrators/flow.h"
 #include "engine/integrators/integrator.h"
+#include "engine/joints/direct/direct_energy.h"
 #include "engine/joints/direct/direct_joints.h"
 
 namespace ticktrue::engine::TICKTRUE_PRECISION {

@@ -6,6 +6,14 @@
 
 namespace ticktrue::engine {
 
+inline double magnitude(double x) {
+  return x < 0 ? -x : x;
+}
+
+inline double arm_of(Place p) {
+  return __builtin_sqrt(p.x * p.x + p.y * p.y);
+}
+
 inline bool is_moving(const DirectIsland& island, std::uint32_t body) {
   return body < island.moving_count;
 }
