@@ -129,12 +129,13 @@ struct DriftVelocities {
   std::vector<Twist> offsets;        // [body] velocity at the end of the substep, less the drift velocity
   std::vector<Twist> joint_changes;  // [body] by joints since predict, with full effect on the drift; empty: none
   std::vector<Twist> velocities;     // [row of the set] while joint_changes are found
+  std::vector<Twist> drifts;         // [row of the set] while joints are solved for them
 };
 
 template <typename Visit>
 void list_fields(DriftVelocities& of, const Visit& visit) {
-  auto& [predicted, offsets, joint_changes, velocities] = of;
-  visit(predicted, offsets, joint_changes, velocities);
+  auto& [predicted, offsets, joint_changes, velocities, drifts] = of;
+  visit(predicted, offsets, joint_changes, velocities, drifts);
 }
 
 /// The workspace and the caches of integrators.

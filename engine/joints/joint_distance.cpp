@@ -62,7 +62,7 @@ void solve_distance(JointWork& joint, JointBodies& pair, Real h, Bias bias) {
   const JointModel& model = *joint.model;
   const Span span = span_of(joint, pair);
   if (model.rigid) {
-    const Real lengthening = bias == Bias::on ? lengthening_rate(span, pair, h) : Real(0);
+    const Real lengthening = corrects(bias) ? lengthening_rate(span, pair, h) : Real(0);
     solve_rigid(joint, span.row, pair, span.distance - model.length, softness(joint, bias), joint.impulses.linear.x,
                 lengthening);
     return;
@@ -70,7 +70,7 @@ void solve_distance(JointWork& joint, JointBodies& pair, Real h, Bias bias) {
   if (model.spring.exists && bias == Bias::on)
     solve_spring(joint, span.row, pair, joint.spring, span.distance - model.length, joint.start_speed, no_impulse_limit,
                  joint.impulses.spring);
-  if (model.has_motor)
+  if (model.has_motor && bias != Bias::of_drift)
     solve_motor(joint, span.row, pair, joint.motor_speed, joint.motor_impulse_max, joint.impulses.motor);
   if (model.has_limits) solve_limits(joint, span.row, pair, span.distance, h, bias);
 }

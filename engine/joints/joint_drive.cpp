@@ -48,7 +48,7 @@ void prepare_motor(JointWork& joint, Real h) {
 }
 
 void solve_motor_joint(JointWork& joint, JointBodies& pair, Real, Bias bias) {
-  if (bias == Bias::off) return;
+  if (bias != Bias::on) return;
   solve_spring(joint, angle_row(joint), pair, joint.spring, relative_angle(joint, pair), joint.start_speed,
                joint.angular_impulse_max, joint.impulses.angular);
   solve_point_spring(joint, point_row(joint, pair, ActsAt::anchor_b), pair, joint.impulse_max);
@@ -63,7 +63,8 @@ void describe_friction(JointModel& model, const Joint&, const JointCenters&) {
 
 void prepare_friction(JointWork&, Real) {}
 
-void solve_friction_joint(JointWork& joint, JointBodies& pair, Real, Bias) {
+void solve_friction_joint(JointWork& joint, JointBodies& pair, Real, Bias bias) {
+  if (bias == Bias::of_drift) return;
   solve_motor(joint, angle_row(joint), pair, Real(0), joint.angular_impulse_max, joint.impulses.angular);
   if (!moves_something(joint)) return;
   const PointRow point = point_row(joint, pair, ActsAt::anchor_b);
@@ -84,7 +85,7 @@ void prepare_target(JointWork& joint, Real h) {
 }
 
 void solve_target(JointWork& joint, JointBodies& pair, Real, Bias bias) {
-  if (bias == Bias::off) return;
+  if (bias != Bias::on) return;
   solve_point_spring(joint, point_row(joint, pair, ActsAt::anchor_b), pair, joint.impulse_max);
 }
 

@@ -44,14 +44,15 @@ void warm_start_revolute(JointWork& joint, JointBodies& pair) {
 void solve_revolute(JointWork& joint, JointBodies& pair, Real h, Bias bias) {
   const JointModel& model = *joint.model;
   const PointRow point = point_row(joint, pair, ActsAt::middle);
-  const Vec2 arm_rate = bias == Bias::on ? arm_rotation_rate(point.arm_a, point.arm_b, pair, h) : Vec2{0, 0};
+  const Vec2 arm_rate = corrects(bias) ? arm_rotation_rate(point.arm_a, point.arm_b, pair, h) : Vec2{0, 0};
   solve_rigid_point(joint, point, pair, softness(joint, bias), arm_rate);
   if (!model.is_driven_revolute) return;
   const ConstrainedAngleRow row = constrained_angle_row(joint, point);
   const Real angle = model.spring.exists || model.has_limits ? relative_angle(joint, pair) : 0;
   if (model.spring.exists && bias == Bias::on)
     solve_spring(joint, row, pair, joint.spring, angle, joint.start_speed, no_impulse_limit, joint.impulses.spring);
-  if (model.has_motor) solve_motor(joint, row, pair, joint.motor_speed, joint.motor_impulse_max, joint.impulses.motor);
+  if (model.has_motor && bias != Bias::of_drift)
+    solve_motor(joint, row, pair, joint.motor_speed, joint.motor_impulse_max, joint.impulses.motor);
   if (model.has_limits) solve_limits(joint, row, pair, angle, h, bias);
 }
 

@@ -102,7 +102,7 @@ void solve_pulley(JointWork& joint, JointBodies& pair, Real h, Bias bias) {
   const PulleyRow row = pulley_row(joint, pair);
   const Real error = (row.a.length + row.ratio * row.b.length) - joint.model->length;
   const Real lengthening =
-      bias == Bias::on ? lengthening_rate(row.a, pair.a, h) + row.ratio * lengthening_rate(row.b, pair.b, h) : Real(0);
+      corrects(bias) ? lengthening_rate(row.a, pair.a, h) + row.ratio * lengthening_rate(row.b, pair.b, h) : Real(0);
   solve_rigid(joint, row, pair, error, softness(joint, bias), joint.impulses.linear.x, lengthening);
   joint.impulses.linear.y = row.ratio * joint.impulses.linear.x;
 }

@@ -43,7 +43,7 @@ inline Vec2 clamped(Vec2 value, Real limit) {
 
 /// Softness of a rigid row in this pass.
 inline Softness softness(const JointWork& joint, Bias bias) {
-  return bias == Bias::on ? joint.soft : Softness{};
+  return corrects(bias) ? joint.soft : Softness{};
 }
 
 // ---- About the angle ----

@@ -22,7 +22,7 @@ void save_slide(JointWork& joint, const JointBodies& pair) {
 
 template <typename Row>
 void solve_spring_along(JointWork& joint, const Row& along, JointBodies& pair, Real translation, Bias bias) {
-  if (!joint.model->spring.exists || bias == Bias::off) return;
+  if (!joint.model->spring.exists || bias != Bias::on) return;
   solve_spring(joint, along, pair, joint.spring, translation, joint.start_speed, no_impulse_limit,
                joint.impulses.spring);
 }
@@ -92,7 +92,7 @@ void solve_prismatic(JointWork& joint, JointBodies& pair, Real h, Bias bias) {
   if (!model.spring.exists && !model.has_motor && !model.has_limits) return;
   const ConstrainedLineRow along = constrained_line_row(joint, slide);
   solve_spring_along(joint, along, pair, slide.translation, bias);
-  if (model.has_motor)
+  if (model.has_motor && bias != Bias::of_drift)
     solve_motor(joint, along, pair, joint.motor_speed, joint.motor_impulse_max, joint.impulses.motor);
   if (model.has_limits) solve_limits(joint, along, pair, slide.translation, h, bias);
 }
@@ -117,7 +117,7 @@ void solve_wheel(JointWork& joint, JointBodies& pair, Real h, Bias bias) {
   const JointModel& model = *joint.model;
   const Slide slide = slide_of(joint, pair);
   solve_spring_along(joint, slide.along, pair, slide.translation, bias);
-  if (model.has_motor)
+  if (model.has_motor && bias != Bias::of_drift)
     solve_motor(joint, angle_row(joint), pair, joint.motor_speed, joint.motor_impulse_max, joint.impulses.motor);
   if (model.has_limits) solve_limits(joint, slide.along, pair, slide.translation, h, bias);
   solve_rigid(joint, slide.across, pair, slide.deviation, softness(joint, bias), joint.impulses.linear.x);

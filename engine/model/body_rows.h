@@ -33,8 +33,12 @@ struct Twist {
   Real angular = 0;  // rad/s^2 or rad/s
 };
 
-/// Whether a pass corrects positions by velocities.
-enum class Bias : std::uint8_t { off, on };
+/// Whether a pass corrects positions by velocities. of_drift: it does, but springs, motors and friction have no part in
+/// it, since velocities are those that move the bodies (solve_drift_velocities).
+enum class Bias : std::uint8_t { off, on, of_drift };
+constexpr bool corrects(Bias bias) {
+  return bias != Bias::off;
+}
 
 /// Whether poses have changed since the last pass over the same joints.
 enum class Poses : std::uint8_t { moved, unmoved };

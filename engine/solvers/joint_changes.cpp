@@ -57,4 +57,32 @@ void find_joint_changes(const SolvedSet& solved, JointWorkspace& work, const std
   for (std::size_t i = 0; i < work.joints.size(); ++i) work.joints[i].impulses = work.impulses[i];
 }
 
+void solve_drift_velocities(const SolvedSet& solved, JointWorkspace& work, std::vector<GearJoint>& gears,
+                            MotionWorkspace& motion) {
+  auto& [predicted, offsets, changes, velocities, drifts] = motion.drift;
+  if (changes.empty() || (work.plan.ranges().empty() && gears.empty())) return;
+  const Real share = integrator(solved.model.scene.settings.integrator).drift_share;
+  velocities.clear();
+  drifts.clear();
+  for (const std::uint32_t row : solved.rows) {
+    MovingBody& body = solved.bodies.records[row];
+    velocities.push_back({body.velocity, body.angular_velocity});
+    drifts.push_back(drift_velocity(motion, row, body, share));
+    body.velocity = drifts.back().linear;
+    body.angular_velocity = drifts.back().angular;
+  }
+  for (std::uint32_t i = 0; i < solved.set.joint_iterations; ++i) {
+    solve_joints(solved, work, Bias::of_drift);
+    solve_gears(solved, gears, Bias::of_drift);
+  }
+  for (std::size_t i = 0; i < solved.rows.size(); ++i) {
+    const std::uint32_t row = solved.rows[i];
+    MovingBody& body = solved.bodies.records[row];
+    const Twist change{body.velocity - drifts[i].linear, body.angular_velocity - drifts[i].angular};
+    changes[row] = {changes[row].linear + change.linear, changes[row].angular + change.angular};
+    body.velocity = velocities[i].linear + change.linear;
+    body.angular_velocity = velocities[i].angular + change.angular;
+  }
+}
+
 }  // namespace ticktrue::engine::TICKTRUE_PRECISION

@@ -20,5 +20,9 @@ void prepare_joint_changes(const SolvedSet& solved, MotionWorkspace& motion);
 /// forces do, so they are left out. Bodies in `direct` components keep what they have. Call before the drift.
 void find_joint_changes(const SolvedSet& solved, JointWorkspace& work, const std::vector<GearJoint>& gears,
                         const DirectWorkspace& direct, MotionWorkspace& motion);
+/// Solves joints and gears for the drift velocities, since these move the bodies. Without it the forces that the drift
+/// leaves out open joints. Requires: find_joint_changes.
+void solve_drift_velocities(const SolvedSet& solved, JointWorkspace& work, std::vector<GearJoint>& gears,
+                            MotionWorkspace& motion);
 
 }  // namespace ticktrue::engine::TICKTRUE_PRECISION

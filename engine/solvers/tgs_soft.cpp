@@ -58,8 +58,9 @@ void solve_in_turn(SolvedSet& solved, TickLists& tick, SolverWork& work, State& 
     }
     Real settled = settled_speed(solved);  // 0 unless an impact has hit bodies at rest
     propagate_shock(solved, settled, tick, contacts, shock);
-    meet_direct(solved, motion, direct);
     find_joint_changes(solved, joints, gears, direct, motion);
+    solve_drift_velocities(solved, joints, gears, motion);
+    meet_direct(solved, motion, direct);
     scheme.drift(solved, motion, set.h);  // x += h v
     finish_impacts(solved, impacts);
     end_direct_move(solved, direct);

@@ -139,7 +139,7 @@ void solve_revolutes(const SolvedSet& solved, JointWorkspace& work, const JointR
   const bool is_serial = work.revolutes.order == RevoluteOrder::serial;
   const auto solve = is_serial ? kernels.solve_serial : kernels.solve;
   const auto relax = is_serial ? kernels.relax_serial : kernels.relax;
-  const auto kernel = bias == Bias::on ? solve : relax;
+  const auto kernel = corrects(bias) ? solve : relax;
   solved.parallel().for_chunks(range.last - range.first, chunk_size_of(work, range), [&](const Chunk& chunk) {
     kernel(work_of(solved, work, range.first + chunk.begin, range.first + chunk.end, solved.set.h, front));
   });

@@ -281,7 +281,7 @@ void solve_all_gears(const SolvedSet& solved, std::vector<GearJoint>& gears, Bia
   for (GearJoint& gear : gears) {
     const bool has_moved = bias == Bias::off && gear.may_have_moved;
     find_coordinates(gear, records, has_moved ? solved.set.h : Real(0));
-    gear.may_have_moved = bias == Bias::on;
+    gear.may_have_moved = corrects(bias);
     const GearRows rows = rows_of_gear(gear, records);
     if (!(rows.mobility > 0)) {
       gear.impulse = 0;

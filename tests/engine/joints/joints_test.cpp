@@ -12,6 +12,7 @@
 
 #include "engine/math/trig.h"
 #include "tests/support/engine_runs.h"
+#include "tests/support/joint_gaps.h"
 
 using namespace ticktrue;
 using namespace ticktrue::test;
@@ -149,6 +150,25 @@ TEST_CASE("a hanging chain gives way by the sum of F K / w^2, a quarter for twic
     CHECK(sag == Approx(load / stiffness_rate(substeps)).epsilon(0.01));
     if (coarser > 0) CHECK(coarser / sag == Approx(4).epsilon(0.02));
     coarser = sag;
+  }
+}
+
+TEST_CASE("a weight opens its joint by at most F K / w^2, under every integrator", "[engine][joints][integrators]") {
+  for (const auto& integrator : engine::integrators) {
+    if (!integrator.carries_constraints) continue;
+    for (const JointKind kind :
+         {JointKind::revolute, JointKind::weld, JointKind::distance, JointKind::prismatic, JointKind::wheel})
+      for (const int substeps : {1, 4}) {
+        Scene scene = empty_scene(Precision::f64);
+        scene.settings.integrator = integrator.kind;
+        scene.settings.substeps = substeps;
+        scene.bodies = {peg({0, 0}), bob({0, kind == JointKind::distance ? -1.0 : 0.0})};
+        scene.joints = {joint_of(kind, 0, 1)};
+        CAPTURE(integrator.name, engine::joint_kinds[static_cast<std::size_t>(kind)].name, substeps);
+        const auto engine = make_engine_or_fail(scene);
+        run_ticks(*engine, 600);
+        CHECK(joint_gaps(scene, engine->bodies())[0].gap < 1.01 * 10 / stiffness_rate(substeps));
+      }
   }
 }
 
