@@ -91,7 +91,7 @@ EdgeNormal edge_normal_of_pair(const Model& model, const ShapeModel& shape_a, co
     return direction;
   };
   if (shape_a.family == ShapeFamily::chain_edge) return normal_of(shape_a, a, shape_b, b, gap.normal);
-  if (shape_b.family != ShapeFamily::chain_edge) return {true, true, gap.normal};
+  if (shape_b.family != ShapeFamily::chain_edge) return {true, true, true, gap.normal};
   EdgeNormal direction = normal_of(shape_b, b, shape_a, a, -gap.normal);
   direction.normal = -direction.normal;
   return direction;
@@ -143,7 +143,15 @@ void find_impact(const SolvedSet& solved, const ImpactWorkspace& work, ImpactPai
       // body that slides between a floor and a wall would hit in turn without end. At a corner of a chain, the edge
       // below the shape has the contact, with friction; this edge stops only fast shapes.
       if (!direction.is_allowed && !bounces && closing * h <= slow_share * size) return;
-      const bool is_solvers = has_contact && !bounces && closing <= pair.slow;
+      // A corner belongs to the edge that ends there: that pair has the contact. This edge stops only fast shapes.
+      const bool is_others = !direction.is_owned && !bounces && closing * h <= slow_share * size;
+      // What the forces of this substep have added to the closing speed is a load, which the contact carries. An impact
+      // would take the load from the contact, and the contact would not push. Bounces that are not located are the
+      // solver's.
+      const Real by_forces = -dot(path_b.acceleration - path_a.acceleration, gap.normal) * (Real(0.5) * h + time);
+      const bool is_located = bounces && model.scene.settings.locate_impacts;
+      const bool is_slow = !is_located && closing - larger(by_forces, 0) <= pair.slow;
+      const bool is_solvers = is_others || (has_contact && is_slow);
       const bool touches = gap.separation <= tolerance;
       // There is also no impact if the rest of the substep is too short for the remaining gap.
       if (is_solvers || (touches && !(closing * (h - time) > tolerance))) {
@@ -173,6 +181,7 @@ void find_impact(const SolvedSet& solved, const ImpactWorkspace& work, ImpactPai
     if (!(closing_max > 0) || !(gap.separation < closing_max * (h - time))) return;
     time += gap.separation / closing_max;
     if (i + 1 < advance_count_max || !pair.is_fast || !direction.is_allowed) continue;
+    if (!direction.is_owned && closing_max * h <= slow_share * size) return;
     // A grazing or spinning pair without an exact time of impact is stopped, so that it cannot pass through.
     pair.time = time;
     pair.normal = gap.normal;

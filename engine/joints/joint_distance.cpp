@@ -27,13 +27,24 @@ Span span_of(const JointWork& joint, const JointBodies& pair) {
 
 /// The lengthening of the span in a substep besides the velocity along it, per h. It comes from a sideways step u, as
 /// sqrt(d^2 + u^2) - d, and from rotating arms.
-Real lengthening_rate(const Span& span, const JointBodies& pair, Real h) {
+Real lengthening_rate(const JointWork& joint, const Span& span, const JointBodies& pair, Real h) {
+  const LineRow& row = span.row;
   const Vec2 velocity = (pair.b.velocity + cross(pair.b.angular_velocity, span.arm_b)) -
                         (pair.a.velocity + cross(pair.a.angular_velocity, span.arm_a));
-  const Real sideways = h * cross(span.row.axis, velocity);
+  const Real across = cross(row.axis, velocity);
+  const Real sideways = h * across;
   const Real whole = span.distance + square_root(span.distance * span.distance + sideways * sideways);
   const Real longer = whole > 0 ? sideways * sideways / (h * whole) : Real(0);
-  return longer + dot(span.row.axis, arm_rotation_rate(span.arm_a, span.arm_b, pair, h));
+  const Real along_a = dot(row.axis, span.arm_a);
+  const Real along_b = dot(row.axis, span.arm_b);
+  const Real mobility_across = (joint.inv_mass_a + joint.inv_mass_b) +
+                               (joint.inv_inertia_a * along_a * along_a + joint.inv_inertia_b * along_b * along_b);
+  const auto of_arm = [&](Real along, Real spin, Real inv_inertia) {
+    return bounded_lead(along * versine(h * spin) / h, spin, inv_inertia, row.mobility);
+  };
+  return bounded_lead(longer, across, mobility_across, row.mobility) +
+         (of_arm(along_a, pair.a.angular_velocity, joint.inv_inertia_a) -
+          of_arm(along_b, pair.b.angular_velocity, joint.inv_inertia_b));
 }
 
 void describe_distance(JointModel& model, const Joint& joint, const JointCenters&) {
@@ -62,7 +73,7 @@ void solve_distance(JointWork& joint, JointBodies& pair, Real h, Bias bias) {
   const JointModel& model = *joint.model;
   const Span span = span_of(joint, pair);
   if (model.rigid) {
-    const Real lengthening = corrects(bias) ? lengthening_rate(span, pair, h) : Real(0);
+    const Real lengthening = corrects(bias) ? lengthening_rate(joint, span, pair, h) : Real(0);
     solve_rigid(joint, span.row, pair, span.distance - model.length, softness(joint, bias), joint.impulses.linear.x,
                 lengthening);
     return;

@@ -43,11 +43,17 @@ RopeSide side_of(const MovingBody& body, Vec2 from_ground, Vec2 anchor, Real inv
 }
 
 /// The lengthening of a side in a substep besides the velocity along it, per h, as for a rod (joint_distance.cpp).
-Real lengthening_rate(const RopeSide& side, const MovingBody& body, Real h) {
-  const Real sideways = h * cross(side.axis, body.velocity + cross(body.angular_velocity, side.arm));
+/// `mobility`: of the row, over the square of the side's ratio.
+Real lengthening_rate(const RopeSide& side, const MovingBody& body, Real inv_mass, Real inv_inertia, Real mobility,
+                      Real h) {
+  const Real across = cross(side.axis, body.velocity + cross(body.angular_velocity, side.arm));
+  const Real sideways = h * across;
   const Real whole = side.length + square_root(side.length * side.length + sideways * sideways);
   const Real longer = whole > 0 ? sideways * sideways / (h * whole) : Real(0);
-  return longer + dot(side.axis, arm_rotation_rate({0, 0}, side.arm, {body, body}, h));
+  const Real along = dot(side.axis, side.arm);
+  const Real of_arm = -(along * versine(h * body.angular_velocity) / h);
+  return bounded_lead(longer, across, inv_mass + inv_inertia * along * along, mobility) +
+         bounded_lead(of_arm, body.angular_velocity, inv_inertia, mobility);
 }
 
 struct PulleyRow {
@@ -101,8 +107,13 @@ void warm_start_pulley(const JointWork& joint, JointBodies& pair) {
 void solve_pulley(JointWork& joint, JointBodies& pair, Real h, Bias bias) {
   const PulleyRow row = pulley_row(joint, pair);
   const Real error = (row.a.length + row.ratio * row.b.length) - joint.model->length;
-  const Real lengthening =
-      corrects(bias) ? lengthening_rate(row.a, pair.a, h) + row.ratio * lengthening_rate(row.b, pair.b, h) : Real(0);
+  Real lengthening = 0;
+  if (corrects(bias)) {
+    const Real ratio2 = row.ratio * row.ratio;
+    lengthening =
+        lengthening_rate(row.a, pair.a, joint.inv_mass_a, joint.inv_inertia_a, row.mobility, h) +
+        row.ratio * lengthening_rate(row.b, pair.b, joint.inv_mass_b, joint.inv_inertia_b, row.mobility / ratio2, h);
+  }
   solve_rigid(joint, row, pair, error, softness(joint, bias), joint.impulses.linear.x, lengthening);
   joint.impulses.linear.y = row.ratio * joint.impulses.linear.x;
 }

@@ -128,6 +128,19 @@ void solve_rigid(JointWork& joint, const Row& row, JointBodies& pair, Real error
   row.apply(joint, pair, change);
 }
 
+/// The lead of a row is the change of its error in a substep besides the velocity along it: what turns leaves its
+/// tangent. An impulse that meets a lead may turn a light body about a far anchor faster than before, and so ask for
+/// more, without end. A lead that would take more than this share of the energy of the motion across the row is weaker
+/// by the excess.
+inline constexpr Real lead_energy_share = Real(0.1);
+
+/// `speed`, `mobility_across`: of the motion that the lead follows from. `mobility`: of the row.
+inline Real bounded_lead(Real lead, Real speed, Real mobility_across, Real mobility) {
+  const Real asked = mobility_across * (lead * lead);
+  const Real allowed = lead_energy_share * (mobility * (speed * speed));
+  return asked > allowed ? lead * (allowed / asked) : lead;
+}
+
 /// One-sided. `slack` >= 0 may be used up within the substep; `slack` < 0 is corrected. `sign` 1: a lower limit.
 template <typename Row>
 void solve_limit(JointWork& joint, const Row& row, JointBodies& pair, Real slack, Real sign, Real h, Bias bias,

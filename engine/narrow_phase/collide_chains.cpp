@@ -99,8 +99,11 @@ EdgeNormal edge_normal(const Model& model, const ShapeModel& shape, Vec2 normal,
   const bool in_front = dot(edge.normal, center - edge.begin) >= 0;
   const Real limit = 16 * epsilon * square_root(length_squared(edge.along));  // the rounding of two rotations
   const bool along_own = absolute(dot(edge.along, normal)) <= limit;
-  if (dot(edge.normal, normal) > 0 && (along_own || belongs_to_corner(edge, normal))) return {true, in_front, normal};
-  return {false, in_front, edge.normal};
+  if (dot(edge.normal, normal) > 0 && (along_own || belongs_to_corner(edge, normal))) {
+    const bool is_owned = along_own || !edge.has_before || dot(edge.along, normal) > 0;
+    return {true, in_front, is_owned, normal};
+  }
+  return {false, in_front, true, edge.normal};
 }
 
 Manifold collide_chain_circle(const Model& model, const ShapeModel& a, const ShapeModel& b, const Placement& b_in_a,

@@ -68,6 +68,7 @@ Manifold collide(const Model& model, const ShapeModel& a, const ShapeModel& b, c
 struct EdgeNormal {
   bool is_allowed;  // the normal is the edge's own, or one of a convex corner or free end
   bool in_front;    // the centre of the other shape is on the right side of the edge
+  bool is_owned;    // false: of the convex corner at which the edge before ends, to which it belongs
   Vec2 normal;      // the allowed normal, or the edge's own
 };
 /// `normal` from the edge, `center` of the other shape, both in the frame of the edge's body.

@@ -57,10 +57,9 @@ void find_joint_changes(const SolvedSet& solved, JointWorkspace& work, const std
   for (std::size_t i = 0; i < work.joints.size(); ++i) work.joints[i].impulses = work.impulses[i];
 }
 
-void solve_drift_velocities(const SolvedSet& solved, JointWorkspace& work, std::vector<GearJoint>& gears,
-                            MotionWorkspace& motion) {
+void solve_drift_velocities(const SolvedSet& solved, std::uint32_t iterations, JointWorkspace& work,
+                            std::vector<GearJoint>& gears, ContactBatches& contacts, MotionWorkspace& motion) {
   auto& [predicted, offsets, changes, velocities, drifts] = motion.drift;
-  if (changes.empty() || (work.plan.ranges().empty() && gears.empty())) return;
   const Real share = integrator(solved.model.scene.settings.integrator).drift_share;
   velocities.clear();
   drifts.clear();
@@ -71,10 +70,11 @@ void solve_drift_velocities(const SolvedSet& solved, JointWorkspace& work, std::
     body.velocity = drifts.back().linear;
     body.angular_velocity = drifts.back().angular;
   }
-  for (std::uint32_t i = 0; i < solved.set.joint_iterations; ++i) {
+  for (std::uint32_t i = 0; i < iterations; ++i) {
     solve_joints(solved, work, Bias::of_drift);
     solve_gears(solved, gears, Bias::of_drift);
   }
+  solve_contacts(solved, contacts);
   for (std::size_t i = 0; i < solved.rows.size(); ++i) {
     const std::uint32_t row = solved.rows[i];
     MovingBody& body = solved.bodies.records[row];

@@ -6,6 +6,7 @@
 
 #include <vector>
 
+#include "engine/contacts/contact_batch.h"
 #include "engine/integrators/flow.h"
 #include "engine/joints/direct/direct_set.h"
 #include "engine/joints/gears/gear_joints.h"
@@ -20,9 +21,10 @@ void prepare_joint_changes(const SolvedSet& solved, MotionWorkspace& motion);
 /// forces do, so they are left out. Bodies in `direct` components keep what they have. Call before the drift.
 void find_joint_changes(const SolvedSet& solved, JointWorkspace& work, const std::vector<GearJoint>& gears,
                         const DirectWorkspace& direct, MotionWorkspace& motion);
-/// Solves joints and gears for the drift velocities, since these move the bodies. Without it the forces that the drift
-/// leaves out open joints. Requires: find_joint_changes.
-void solve_drift_velocities(const SolvedSet& solved, JointWorkspace& work, std::vector<GearJoint>& gears,
-                            MotionWorkspace& motion);
+/// Solves joints and gears `iterations` times for the drift velocities, since these move the bodies, then the contacts.
+/// Without it the forces that the drift leaves out open joints, and joints drag bodies into each other: the drift takes
+/// their impulses whole, and half of those of contacts. Requires: find_joint_changes.
+void solve_drift_velocities(const SolvedSet& solved, std::uint32_t iterations, JointWorkspace& work,
+                            std::vector<GearJoint>& gears, ContactBatches& contacts, MotionWorkspace& motion);
 
 }  // namespace ticktrue::engine::TICKTRUE_PRECISION

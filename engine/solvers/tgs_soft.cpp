@@ -59,7 +59,11 @@ void solve_in_turn(SolvedSet& solved, TickLists& tick, SolverWork& work, State& 
     Real settled = settled_speed(solved);  // 0 unless an impact has hit bodies at rest
     propagate_shock(solved, settled, tick, contacts, shock);
     find_joint_changes(solved, joints, gears, direct, motion);
-    solve_drift_velocities(solved, joints, gears, motion);
+    for (int turn = 0; turn < direct.turn_count && !motion.drift.joint_changes.empty(); ++turn) {
+      if (turn > 0) solve_direct(solved, motion, direct);
+      const std::uint32_t iterations = takes_joints(direct, turn) ? set.joint_iterations : 0;
+      solve_drift_velocities(solved, iterations, joints, gears, contacts, motion);
+    }
     meet_direct(solved, motion, direct);
     scheme.drift(solved, motion, set.h);  // x += h v
     finish_impacts(solved, impacts);

@@ -320,8 +320,8 @@ TEST_CASE("a contact inside of a weld is not judged", "[verifier][soak][law][ana
   joint.kind = JointKind::revolute;
   joint.body_a = 0;
   joint.body_b = 1;
-  joint.anchor_a = {0.4, 0};
-  joint.anchor_b = {-0.4, 0};
+  joint.anchor_a = {0.6, 0};
+  joint.anchor_b = {-0.2, 0};
   joint.collide_connected = true;
   scene.joints.push_back(joint);
   MovesNothing pinned(law_engine(scene));
@@ -329,6 +329,41 @@ TEST_CASE("a contact inside of a weld is not judged", "[verifier][soak][law][ana
   scene.joints[0].kind = JointKind::weld;
   MovesNothing welded(law_engine(scene));
   CHECK_FALSE(law_after(welded, 600).overlap());
+}
+
+TEST_CASE("a pin inside of both bodies may hold them as deep in each other as it lies",
+          "[verifier][soak][law][analytic]") {
+  // The discs overlap by 20 cm. Each has 10 cm around a pin in the middle, and 3 cm around one 25 cm beside it.
+  for (const double beside : {0.0, 0.25}) {
+    Scene scene = two_discs(0.8);
+    Joint pin;
+    pin.kind = JointKind::revolute;
+    pin.body_a = 0;
+    pin.body_b = 1;
+    pin.anchor_a = {0.4, beside};
+    pin.anchor_b = {-0.4, beside};
+    pin.collide_connected = true;
+    scene.joints.push_back(pin);
+    MovesNothing pinned(law_engine(scene));
+    CHECK(law_after(pinned, 600).overlap().has_value() == (beside > 0));
+  }
+}
+
+TEST_CASE("an overlap on another side has the time of a new one", "[verifier][soak][law][analytic]") {
+  class Jumps : public MovesNothing {
+   public:
+    using MovesNothing::MovesNothing;
+    std::vector<ContactReport> contacts() const override {
+      std::vector<ContactReport> reports = MovesNothing::contacts();
+      for (ContactReport& report : reports) report.separation[0] = tick() <= 10 ? -0.05 : -0.6;
+      return reports;
+    }
+  };
+  Jumps jumps(law_engine(two_discs(0.95)));
+  const auto broken = law_after(jumps, 600).overlap();
+  REQUIRE(broken);
+  CHECK(broken->error == 0.6);
+  CHECK(std::fabs(broken->lasted_s - Scene{}.settings.dt * static_cast<double>(broken->tick + 1 - 10)) < 1e-9);
 }
 
 TEST_CASE("overlaps that touching bodies tie together get the time of all their ways",

@@ -75,13 +75,14 @@ void find_rigid_motion(const DirectIsland& island, std::vector<Triple>& velociti
   }
 }
 
-/// Whether springs, motors or moving bodies that joints do not move may add energy.
+/// Whether springs, motors, moving bodies that joints do not move or spins that they do not change may add energy.
 bool is_driven(const DirectIsland& island) {
   for (const DirectDrive& drive : island.drives)
     if (drive.has_spring || drive.has_motor) return true;
   const auto drives = [&island](std::uint32_t body) {
-    if (body == no_direct_body || is_moving(island, body)) return false;
+    if (body == no_direct_body) return false;
     const Triple& v = island.bodies[body].velocity;
+    if (is_moving(island, body)) return !(island.bodies[body].inertia > 0) && v[2] != 0;  // nothing slows its spin
     return v[0] != 0 || v[1] != 0 || v[2] != 0;
   };
   return std::any_of(island.joints.begin(), island.joints.end(),

@@ -85,24 +85,30 @@ void load_before_move(const SolvedSet& solved, const MotionWorkspace& motion, co
   }
 }
 
-/// Stores velocities. Tells the integrator the changes that affect the move in full. `springs_act`: the impulses of
+/// Stores velocities. Adds to the changes that affect the move in full. `springs_act`: the impulses of
 /// springs may have changed.
 void store_before_move(const SolvedSet& solved, MotionWorkspace& motion, const DirectComponent& component,
                        DirectSetIsland& at, bool springs_act) {
   store_velocities_of(solved, component, at);
   if (motion.drift.joint_changes.empty()) return;
+  const auto add_whole = [&](Real sign) {
+    for (std::size_t i = 0; i < component.moving_count; ++i) {
+      Triple whole{};
+      for (std::size_t k = 0; k < whole.size(); ++k) whole[k] = at.changes[i][k] - at.forces[i][k];
+      const Twist part = twist_of(whole);
+      Twist& sum = motion.drift.joint_changes[component.bodies[i]];
+      sum = {sum.linear + sign * part.linear, sum.angular + sign * part.angular};
+    }
+  };
+  add_whole(-1);
   if (springs_act && at.island.has_drives) {
     at.forces.assign(component.moving_count, Triple{});
     add_force_like_changes(at.island, at.forces);
   }
-  for (std::size_t i = 0; i < component.moving_count; ++i) {
-    Triple whole{};
-    for (std::size_t k = 0; k < whole.size(); ++k) {
+  for (std::size_t i = 0; i < component.moving_count; ++i)
+    for (std::size_t k = 0; k < at.changes[i].size(); ++k)
       at.changes[i][k] += at.island.bodies[i].velocity[k] - at.loaded[i][k];
-      whole[k] = at.changes[i][k] - at.forces[i][k];
-    }
-    motion.drift.joint_changes[component.bodies[i]] = twist_of(whole);
-  }
+  add_whole(1);
 }
 
 void load_poses(const SolvedSet& solved, const DirectComponent& component, DirectIsland& island) {
@@ -214,6 +220,10 @@ void start_direct(const SolvedSet& solved, MotionWorkspace& motion, DirectWorksp
     const bool changes_velocities = at.island.has_drives || !motion.drift.joint_changes.empty();
     if (changes_velocities) load_velocities(solved, component, at);
     at.changes.assign(component.moving_count, Triple{});
+    if (!motion.drift.joint_changes.empty()) {
+      at.forces.assign(component.moving_count, Triple{});
+      for (std::size_t i = 0; i < component.moving_count; ++i) motion.drift.joint_changes[component.bodies[i]] = {};
+    }
     start_impulses(at.island);
     if (changes_velocities) store_before_move(solved, motion, component, at, true);
   });

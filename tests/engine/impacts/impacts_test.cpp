@@ -83,6 +83,29 @@ double energy_of(const Engine& engine, const Body& body) {
          0.5 * mass.inertia * report.angular_velocity * report.angular_velocity;
 }
 
+TEST_CASE("a small body at rest sinks no deeper with continuous collision than without",
+          "[engine][impacts][analytic]") {
+  // Gravity moves a body of 5 mm by half its size in a tick of 1/60 s. One point at rest gives way by g h^2 / (pi /
+  // 2)^2.
+  for (const Precision precision : {Precision::f32, Precision::f64})
+    for (const double restitution : {0.0, 0.5})
+      for (const int substeps : {1, 2, 4}) {
+        Scene scene = empty_scene(precision);
+        scene.gravity = {0, -9.8};
+        scene.settings.substeps = substeps;
+        scene.settings.restitution_threshold = 0;
+        scene.bodies.push_back(ground());
+        Body disc = body_of(disc_shape(0.0025), {0, 0.0025});
+        disc.shapes[0].material.restitution = restitution;
+        scene.bodies.push_back(disc);
+        const auto engine = make_engine_or_fail(scene);
+        run_ticks(*engine, 300);
+        const double h = scene.settings.dt / substeps;
+        CAPTURE(precision, restitution, substeps);
+        CHECK(engine->bodies()[1].center.y > 0.0025 - 1.1 * 9.8 * h * h / 2.467 - 0.05 * 0.005);
+      }
+}
+
 }  // namespace
 
 TEST_CASE("bullets of 1 cm and more never pass walls of 1 mm or free plates of 1 cm", "[engine][impacts][analytic]") {

@@ -44,6 +44,7 @@ constexpr double size_share = 0.025;  // what located bounces leave, 0.02 sizes,
 constexpr double load_factor = 2;     // loads are sampled at the end of a tick
 constexpr double seen_ticks = 3;      // until an overlap is a contact, is pushed, and is looked at
 constexpr double opposite = -0.5;     // cosine of two normals between which a body is squeezed
+constexpr double jump_share = 0.25;   // of the smaller size: an overlap on another side
 constexpr double epsilon_count = 16;  // roundings of a coordinate
 
 struct SoftLaw {
@@ -130,6 +131,7 @@ struct Offence {
   Breach breach;
   double push = 0;      // m/s, of the bias
   double settling = 0;  // s
+  double jump = 0;      // m: beyond this growth in a tick, the overlap is a new one
   bool is_explained = false;
 };
 
@@ -144,19 +146,24 @@ struct TickView {
   std::vector<double> h;                         // [body], s
   std::vector<Extent> extents;                   // [body]
   std::vector<std::uint8_t> is_asleep;           // [body]
+  std::vector<double> moved;                     // [body], in this tick, m: no point of it more
   double push_share;                             // of a push that moves bodies
 
   double substep_of(std::uint32_t a, std::uint32_t b) const {
     return std::max(is_dynamic(bodies[a]) ? h[a] : 0, is_dynamic(bodies[b]) ? h[b] : 0);
   }
-  /// The error that is no matter, m.
-  double slack_of(std::uint32_t a, std::uint32_t b) const {
+  /// The rounding of the positions of two bodies, m. Each tick rounds them once.
+  double rounding_of(std::uint32_t a, std::uint32_t b) const {
     const double epsilon = scene.settings.precision == engine::Precision::f32
                                ? double{std::numeric_limits<float>::epsilon()}
                                : std::numeric_limits<double>::epsilon();
     double coordinates = 0;
     for (const std::uint32_t i : {a, b}) coordinates += std::fabs(bodies[i].center.x) + std::fabs(bodies[i].center.y);
-    return size_share * std::min(extents[a].size, extents[b].size) + epsilon_count * epsilon * coordinates;
+    return epsilon * coordinates;
+  }
+  /// The error that is no matter, m.
+  double slack_of(std::uint32_t a, std::uint32_t b) const {
+    return size_share * std::min(extents[a].size, extents[b].size) + epsilon_count * rounding_of(a, b);
   }
   /// What bodies that sleep may be off by, m: what was pushed out no faster than the scene takes for rest.
   double asleep_slack_of(std::uint32_t a, std::uint32_t b, double bias_rate) const {
@@ -229,8 +236,8 @@ std::vector<Offence> joint_offences(const TickView& view, std::vector<double>& p
     const double force = std::hypot(view.joints.value(i, "linear_force", 0), view.joints.value(i, "linear_force", 1));
     const double torque = std::fabs(view.joints.value(i, "torque"));
     const double rate = std::min(law.bias_rate, is_direct ? direct_push_rate : infinite);
-    const double tolerance =
-        view.slack_of(ends[0], ends[1]) + turned_away + view.asleep_slack_of(ends[0], ends[1], rate);
+    const double least = view.slack_of(ends[0], ends[1]) + view.asleep_slack_of(ends[0], ends[1], rate);
+    const double tolerance = least + turned_away;
     if (mobility > 0) stored += 0.5 * law.omega * law.omega / mobility * gap * gap;
     Offence offence;
     offence.push = law.bias_rate * gap;
@@ -245,7 +252,12 @@ std::vector<Offence> joint_offences(const TickView& view, std::vector<double>& p
     offence.breach.yielded = load_factor * (force * mobility + torque * mobility_of_torque) / (law.omega * law.omega);
     // A push with the energy of both bodies at that speed parts two equal ones at twice the speed.
     const double direct_speed = direct_push_speed * (is_dynamic(*pair[0]) && is_dynamic(*pair[1]) ? 2 : 1);
-    offence.settling = settling_time(gap, tolerance, rate, is_direct ? direct_speed : push_speed) / view.push_share;
+    const double speed_max = is_direct ? direct_speed : push_speed;
+    // What turns may stop. Then the slack alone is allowed.
+    offence.settling = settling_time(gap, least, rate, speed_max) / view.push_share;
+    // Far from the origin, the moves of every tick may be rounded by more than a push closes.
+    const double closed = std::min(rate * gap, speed_max) * view.push_share * view.dt;
+    offence.is_explained = 0.5 * view.rounding_of(ends[0], ends[1]) >= closed;
     list.push_back(offence);
   }
   return list;
@@ -276,11 +288,50 @@ std::set<std::pair<std::uint32_t, std::uint32_t>> find_welded(const TickView& vi
   return welded;
 }
 
+/// How deep a point lies inside of a shape, m; at most 0 outside.
+double depth_inside(const Shape& shape, const Point& at) {
+  if (engine::is_line(shape.kind)) return 0;
+  const std::vector<Point> core = engine::core_of(shape);
+  double inside = infinite, outside = infinite;
+  for (std::size_t i = 0; i < core.size(); ++i) {
+    const Point& p = core[i];
+    const Point& q = core[(i + 1) % core.size()];
+    const Point edge{q.x - p.x, q.y - p.y};
+    const double length = std::hypot(edge.x, edge.y);
+    const double along = length > 0 ? ((at.x - p.x) * edge.x + (at.y - p.y) * edge.y) / (length * length) : 0;
+    const double share = std::clamp(along, 0.0, 1.0);
+    outside = std::min(outside, std::hypot(at.x - p.x - share * edge.x, at.y - p.y - share * edge.y));
+    if (length > 0) inside = std::min(inside, (edge.x * (at.y - p.y) - edge.y * (at.x - p.x)) / length);
+  }
+  return shape.radius + (core.size() >= 3 && inside > 0 ? inside : -outside);
+}
+
+/// Overlaps of bodies that the scene asks for, m: a pin holds a point that lies inside of both.
+std::map<std::pair<std::uint32_t, std::uint32_t>, double> find_pinned(const TickView& view) {
+  std::map<std::pair<std::uint32_t, std::uint32_t>, double> pinned;
+  for (std::uint32_t i = 0; i < view.joints.row_count(); ++i) {
+    const Joint& joint = view.scene.joints[view.joints.whole(i, "joint")];
+    const bool is_pin = joint.kind == JointKind::revolute || (joint.kind == JointKind::weld && !joint.linear_spring);
+    if (!is_pin || !joint.collide_connected) continue;
+    const auto depth = [&](std::uint32_t id, const Point& anchor) {
+      double most = 0;
+      for (const Shape& shape : *view.bodies[view.index.at(id)].shapes)
+        most = std::max(most, depth_inside(shape, anchor));
+      return most;
+    };
+    const double depths[2] = {depth(joint.body_a, joint.anchor_a), depth(joint.body_b, joint.anchor_b)};
+    double& most = pinned[std::minmax(joint.body_a, joint.body_b)];
+    if (std::min(depths[0], depths[1]) > 0) most = std::max(most, depths[0] + depths[1]);
+  }
+  return pinned;
+}
+
 /// Contact points that are off, and the speed at which contacts push each body.
 std::vector<Offence> contact_offences(const TickView& view, const std::vector<std::uint8_t>& is_crushed,
                                       std::vector<double>& pushed) {
   std::vector<Offence> list;
   const auto welded = find_welded(view);
+  const auto pinned = find_pinned(view);
   for (const ContactReport& contact : view.contacts) {
     const std::uint32_t a = view.index.at(contact.body_a), b = view.index.at(contact.body_b);
     if (welded.contains(std::minmax(contact.body_a, contact.body_b))) continue;
@@ -288,9 +339,11 @@ std::vector<Offence> contact_offences(const TickView& view, const std::vector<st
     const bool are_moving = is_dynamic(view.bodies[a]) && is_dynamic(view.bodies[b]);
     const SoftLaw law =
         soft_law(are_moving ? contact_hertz_h : 2 * contact_hertz_h, contact_damping_ratio, view.substep_of(a, b));
+    const auto pin = pinned.find(std::minmax(contact.body_a, contact.body_b));
+    const double asked_for = pin != pinned.end() ? pin->second : 0;
     for (int i = 0; i < contact.point_count; ++i) {
       const double overlap = -contact.separation[i];
-      const double least = view.slack_of(a, b) + view.asleep_slack_of(a, b, law.bias_rate);
+      const double least = asked_for + view.slack_of(a, b) + view.asleep_slack_of(a, b, law.bias_rate);
       const double tolerance = least + moved_within(view, contact, i, a, b, law.bias_rate);
       if (overlap <= tolerance) continue;
       double mobility = 0;
@@ -315,6 +368,7 @@ std::vector<Offence> contact_offences(const TickView& view, const std::vector<st
       offence.is_explained = offence.breach.yielded >= push_speed / law.bias_rate;
       // A contact that slides may stop. Then the slack alone is allowed.
       offence.settling = settling_time(overlap, least, law.bias_rate, push_speed) / view.push_share;
+      offence.jump = view.moved[a] + view.moved[b] + jump_share * std::min(view.extents[a].size, view.extents[b].size);
       for (const std::uint32_t end : {a, b}) pushed[end] = std::max(pushed[end], offence.push);
       list.push_back(offence);
     }
@@ -322,12 +376,26 @@ std::vector<Offence> contact_offences(const TickView& view, const std::vector<st
   return list;
 }
 
-/// Bodies between two shapes of one body, or between two immovable ones.
+/// Pairs of bodies that a joint without springs holds together.
+std::set<std::pair<std::uint32_t, std::uint32_t>> find_held(const TickView& view) {
+  std::set<std::pair<std::uint32_t, std::uint32_t>> held;
+  for (std::uint32_t i = 0; i < view.joints.row_count(); ++i) {
+    const Joint& joint = view.scene.joints[view.joints.whole(i, "joint")];
+    if (!engine::has_body_a(joint.kind) || !engine::traits_of(joint.kind).is_rigid) continue;
+    const bool is_held =
+        joint.kind == JointKind::weld ? !joint.linear_spring : joint.kind == JointKind::revolute || !joint.spring;
+    if (is_held) held.insert(std::minmax(view.index.at(joint.body_a), view.index.at(joint.body_b)));
+  }
+  return held;
+}
+
+/// Bodies between two shapes of one body, between two immovable ones, or between two that a joint holds together.
 void find_squeezed(const TickView& view, std::vector<std::uint8_t>& is_crushed) {
   struct Side {
     std::uint32_t other;
     Point normal;
   };
+  const auto held = find_held(view);
   std::vector<std::vector<Side>> sides(view.bodies.size());
   for (const ContactReport& contact : view.contacts) {
     if (!overlaps(contact)) continue;
@@ -340,9 +408,29 @@ void find_squeezed(const TickView& view, std::vector<std::uint8_t>& is_crushed) 
     for (const Side& one : sides[i])
       for (const Side& two : sides[i])
         if (one.normal.x * two.normal.x + one.normal.y * two.normal.y < opposite &&
-            (one.other == two.other || view.is_fixed(one.other, two.other)))
+            (one.other == two.other || view.is_fixed(one.other, two.other) ||
+             held.contains(std::minmax(one.other, two.other))))
           is_crushed[i] = 1;
   }
+}
+
+/// Bodies that a joint holds together are pushed without bound if a third body is wedged between them.
+void find_wedged(const TickView& view, std::vector<double>& pushed) {
+  const auto held = find_held(view);
+  const auto visit = [&](const ContactReport& contact, auto use) {
+    if (!overlaps(contact)) return;
+    const std::uint32_t a = view.index.at(contact.body_a), b = view.index.at(contact.body_b);
+    use(a, b, contact.normal);
+    use(b, a, Point{-contact.normal.x, -contact.normal.y});
+  };
+  std::map<std::uint32_t, std::vector<std::pair<std::uint32_t, Point>>> sides;  // [body] the others
+  for (const ContactReport& contact : view.contacts)
+    visit(contact, [&](std::uint32_t body, std::uint32_t other, const Point& normal) {
+      for (const auto& [first, its_normal] : sides[body])
+        if (held.contains(std::minmax(first, other)) && normal.x * its_normal.x + normal.y * its_normal.y < opposite)
+          pushed[first] = pushed[other] = infinite;
+      sides[body].push_back({other, normal});
+    });
 }
 
 /// [body] the largest of `speeds` among the bodies that joints with gaps connect to it, m/s. A push on one of them
@@ -478,6 +566,10 @@ void run_clocks(const std::vector<Offence>& list, const double* allowed_s, doubl
   for (std::size_t i = 0; i < list.size(); ++i) {
     if (list[i].is_explained) continue;
     auto& clock = clocks[list[i].key];
+    const double error = list[i].breach.error;
+    // A body has come to another side, such as the front of a chain's edge: another overlap than before.
+    if (clock.lasted_s > 0 && list[i].jump > 0 && error > clock.error_max + list[i].jump) clock = {};
+    clock.error_max = std::max(clock.error_max, error);
     // What grows later is not pushed out.
     if (clock.lasted_s <= seen_ticks * dt) clock.allowed_s = std::max(clock.allowed_s, allowed_s[i]);
     if (!clock.is_running) clock.lasted_s += dt;
@@ -521,7 +613,7 @@ void ConstraintLaw::look(const engine::Engine& engine, double dt) {
   // One pass moves what touches several bodies by half of a push at worst. Schemes that take half of a force take half
   // of a push that is no larger than a force.
   const bool takes_all = scene_.settings.integrator == engine::IntegratorKind::semi_implicit_euler;
-  TickView view{scene_, dt, engine.bodies(),       engine.contacts(), tool::NamedTable(state, "joints"), {}, {},
+  TickView view{scene_, dt, engine.bodies(),       engine.contacts(), tool::NamedTable(state, "joints"), {}, {}, {},
                 {},     {}, takes_all ? 0.5 : 0.25};
   for (std::uint32_t i = 0; i < view.bodies.size(); ++i) {
     const BodyReport& body = view.bodies[i];
@@ -529,6 +621,14 @@ void ConstraintLaw::look(const engine::Engine& engine, double dt) {
     const auto known = extents_.find(body.id);
     view.extents.push_back(known != extents_.end() ? known->second
                                                    : extents_.emplace(body.id, extent_of(body)).first->second);
+    const auto last = poses_.find(body.id);
+    view.moved.push_back(
+        last == poses_.end()
+            ? infinite
+            : std::hypot(body.center.x - last->second.center.x, body.center.y - last->second.center.y) +
+                  std::fabs(std::remainder(body.angle - last->second.angle, 2 * engine::pi)) *
+                      view.extents.back().reach);
+    poses_[body.id] = {body.center, body.angle};
   }
   view.h = substeps_of(scene_, state, dt, view.index);
   view.is_asleep = find_asleep(state, view.index);
@@ -541,6 +641,7 @@ void ConstraintLaw::look(const engine::Engine& engine, double dt) {
   std::vector<Offence> joints = joint_offences(view, pulled, stored_energy_);
   std::vector<Offence> contacts = contact_offences(view, is_crushed, pushed);
   explain(contacts, pulled);
+  find_wedged(view, pushed);
   explain(joints, spread_over(view, joints, pushed));
   std::vector<const Offence*> all;
   for (const Offence& offence : contacts) all.push_back(&offence);

@@ -58,11 +58,17 @@ class ConstraintLaw {
   struct Clock {
     double lasted_s = 0;
     double allowed_s = 0;
+    double error_max = 0;  // m
     bool is_running = false;
+  };
+  struct Pose {
+    engine::Point center;
+    double angle = 0;
   };
 
   const engine::Scene& scene_;
   std::map<std::uint32_t, Extent> extents_;  // [body id]
+  std::map<std::uint32_t, Pose> poses_;      // [body id], of the tick before
   std::map<Key, Clock> contact_clocks_;      // [bodies]
   std::map<Key, Clock> joint_clocks_;        // [joint, 0]
   std::optional<Breach> overlap_;
