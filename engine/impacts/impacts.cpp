@@ -6,6 +6,7 @@
 
 #include "engine/impacts/impact_impulses.h"
 #include "engine/integrators/motion_rows.h"
+#include "engine/math/trig.h"
 #include "engine/model/solved_set.h"
 #include "engine/narrow_phase/distance.h"
 
@@ -404,6 +405,19 @@ bool is_dynamic(const Model& model, const State& state, std::uint32_t row) {
   return body_model(model, state, row).type == BodyType::dynamic_body;
 }
 
+/// Makes the path of a body the move from the end of its path to its present pose, at constant velocities.
+void follow_move(const SolvedSet& solved, ImpactPath& path, std::uint32_t row) {
+  const Real h = solved.set.h;
+  const MovingBody& body = solved.bodies.records[row];
+  path.delta_position = delta_position_at(path, h);
+  path.delta_rotation = delta_rotation_at(path, h);
+  path.time = 0;
+  path.velocity = (1 / h) * (body.delta_position - path.delta_position);
+  path.acceleration = {0, 0};
+  const Rotation turn = between(path.delta_rotation, body.delta_rotation);
+  path.angular_velocity = static_cast<Real>(arc_tangent(static_cast<double>(turn.s), static_cast<double>(turn.c))) / h;
+}
+
 /// Finds the next impact of a pair and adds it to the heap.
 void expect_impact(const SolvedSet& solved, std::vector<ImpactPair>& impacts, ImpactWorkspace& work,
                    std::uint32_t index, Real start) {
@@ -499,6 +513,44 @@ void finish_impacts(const SolvedSet& solved, const ImpactWorkspace& work) {
     MovingBody& body = solved.bodies.records[row];
     body.delta_position = body.delta_position + work.paths[row].correction;
     body.delta_rotation = rotation_by(work.paths[row].rotation_correction) * body.delta_rotation;
+  }
+}
+
+void stop_at_walls(const SolvedSet& solved, const std::vector<ImpactPair>& impacts, const DirectWorkspace& direct,
+                   ImpactWorkspace& work) {
+  const Model& model = solved.model;
+  const State& state = solved.state;
+  const Real h = solved.set.h;
+  const auto mover_of = [&](const ImpactPair& pair) {
+    const bool a_moves = is_dynamic(model, state, pair.body_a), b_moves = is_dynamic(model, state, pair.body_b);
+    const std::uint32_t mover = a_moves ? pair.body_a : pair.body_b;
+    const bool is_held = direct.components.component_of(mover) != DirectComponents::none;
+    return pair.is_fast && a_moves != b_moves && is_held ? mover : no_impact_place;
+  };
+  const auto follow = [&](std::uint32_t row) {
+    if (work.paths[row].is_hit) return;
+    follow_move(solved, work.paths[row], row);
+    work.paths[row].is_hit = true;  // a body may be in several pairs
+  };
+  for (const std::uint32_t i : work.active) {
+    const std::uint32_t row = mover_of(impacts[i]);
+    if (row == no_impact_place) continue;
+    follow(impacts[i].body_a);
+    follow(impacts[i].body_b);
+    // A move by less than this share of the shapes along the normal is the contact solver's.
+    ImpactPair pair = impacts[i];
+    pair.slow = slow_share * pair_size(model.shapes[pair.shape_a], model.shapes[pair.shape_b]) / h;
+    pair.restitution = 0;
+    pair.is_done = false;
+    find_impact(solved, work, pair, 0);
+    if (!(pair.time < h)) continue;
+    ImpactPath& path = work.paths[row];
+    const Real share = pair.time / h;
+    path.velocity = share * path.velocity;
+    path.angular_velocity *= share;
+    MovingBody& body = solved.bodies.records[row];
+    body.delta_position = delta_position_at(path, h);
+    body.delta_rotation = delta_rotation_at(path, h);
   }
 }
 

@@ -57,5 +57,9 @@ void apply_impacts(const SolvedSet& solved, std::vector<ImpactPair>& impacts, Dr
 /// Brings the bodies that were hit to the ends of their paths, unless apply_impacts has done so. Call after the
 /// integrator's drift.
 void finish_impacts(const SolvedSet& solved, const ImpactWorkspace& work);
+/// Ends the move by which joints carry a body beyond its path where it hits a wall: what is not dynamic. The next
+/// substep finds the impact. Call after finish_impacts.
+void stop_at_walls(const SolvedSet& solved, const std::vector<ImpactPair>& impacts, const DirectWorkspace& direct,
+                   ImpactWorkspace& work);
 
 }  // namespace ticktrue::engine::TICKTRUE_PRECISION

@@ -67,6 +67,7 @@ void solve_in_turn(SolvedSet& solved, TickLists& tick, SolverWork& work, State& 
     meet_direct(solved, motion, direct);
     scheme.drift(solved, motion, set.h);  // x += h v
     finish_impacts(solved, impacts);
+    stop_at_walls(solved, tick.impacts, direct, impacts);
     end_direct_move(solved, direct);
     take_back_pushes(solved, contacts);
     for (int turn = 0; turn < direct.turn_count; ++turn) {

@@ -414,25 +414,6 @@ void find_squeezed(const TickView& view, std::vector<std::uint8_t>& is_crushed) 
   }
 }
 
-/// Bodies that a joint holds together are pushed without bound if a third body is wedged between them.
-void find_wedged(const TickView& view, std::vector<double>& pushed) {
-  const auto held = find_held(view);
-  const auto visit = [&](const ContactReport& contact, auto use) {
-    if (!overlaps(contact)) return;
-    const std::uint32_t a = view.index.at(contact.body_a), b = view.index.at(contact.body_b);
-    use(a, b, contact.normal);
-    use(b, a, Point{-contact.normal.x, -contact.normal.y});
-  };
-  std::map<std::uint32_t, std::vector<std::pair<std::uint32_t, Point>>> sides;  // [body] the others
-  for (const ContactReport& contact : view.contacts)
-    visit(contact, [&](std::uint32_t body, std::uint32_t other, const Point& normal) {
-      for (const auto& [first, its_normal] : sides[body])
-        if (held.contains(std::minmax(first, other)) && normal.x * its_normal.x + normal.y * its_normal.y < opposite)
-          pushed[first] = pushed[other] = infinite;
-      sides[body].push_back({other, normal});
-    });
-}
-
 /// [body] the largest of `speeds` among the bodies that joints with gaps connect to it, m/s. A push on one of them
 /// drags the others along.
 std::vector<double> spread_over(const TickView& view, const std::vector<Offence>& joints,
@@ -641,7 +622,6 @@ void ConstraintLaw::look(const engine::Engine& engine, double dt) {
   std::vector<Offence> joints = joint_offences(view, pulled, stored_energy_);
   std::vector<Offence> contacts = contact_offences(view, is_crushed, pushed);
   explain(contacts, pulled);
-  find_wedged(view, pushed);
   explain(joints, spread_over(view, joints, pushed));
   std::vector<const Offence*> all;
   for (const Offence& offence : contacts) all.push_back(&offence);
