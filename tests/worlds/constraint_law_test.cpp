@@ -174,7 +174,7 @@ TEST_CASE("what its scene or its inputs throw may run away", "[verifier][soak][l
     return engine::make_engine(scene, options);
   };
   const auto is_found = [&](Scene scene, std::vector<engine::Input> thrown_by) {
-    scene.inputs = {engine::InputKind::impulse};
+    scene.inputs = {engine::InputKind::impulse, engine::InputKind::torque};
     const SoakCase world{scene, std::move(thrown_by), 600};
     const CaseInputs inputs(world);
     BaseRun base;
@@ -189,6 +189,10 @@ TEST_CASE("what its scene or its inputs throw may run away", "[verifier][soak][l
   for (const double speed : {1.0, 1e8}) {  // m/s
     push.values = {mass * speed, 0};
     CHECK(is_found(two_discs(3), {push}) == (speed < 2));
+    engine::Input twist = push;
+    twist.kind = engine::InputKind::torque;
+    twist.values = {mass * speed / Scene{}.settings.dt};
+    CHECK(is_found(two_discs(3), {twist}) == (speed < 2));
   }
   // A slider without limits goes outwards on a body that nothing can stop from turning.
   for (const bool turns : {false, true})
@@ -199,6 +203,10 @@ TEST_CASE("what its scene or its inputs throw may run away", "[verifier][soak][l
       scene.joints.push_back(joint_of(JointKind::prismatic, 0, 1));
       scene.joints[0].anchor_a = {3, 0};
       CHECK(is_found(scene, {}) == !(turns && is_fixed));
+      for (const double hertz : {1.0, 2.0}) {  // 6.3 and 12.6 rad/s: less and more than the spin
+        scene.joints[0].spring = engine::JointSpring{false, hertz, 0.5, 0, 0};
+        CHECK(is_found(scene, {}) == !(turns && is_fixed && hertz < 1.5));
+      }
     }
 }
 

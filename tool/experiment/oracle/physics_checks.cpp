@@ -7,6 +7,7 @@
 #include <cstring>
 #include <limits>
 #include <map>
+#include <numbers>
 #include <optional>
 
 #include "base/limits.h"
@@ -45,23 +46,32 @@ bool is_undriven(const SoakCase& soak_case) {
          std::none_of(scene.joints.begin(), scene.joints.end(), drives);
 }
 
-/// Whether a body moves freely along a line that a body turns which no force can slow down: a kinematic one, or one
-/// with a fixed rotation. It then goes outwards as e^(w t), with the spin w of the other body. A damper only delays it.
-bool has_driven_slide(const Scene& scene) {
-  const auto turns = [&scene](std::uint32_t id) {
+/// Whether a body moves along a line that a body turns which no force can slow down: a kinematic one, or one with a
+/// fixed rotation. It then goes outwards as e^(w t), with the spin w of the other body, unless limits hold it, or a
+/// spring of a frequency above w. A damper only delays it. `bodies`: those of the scene.
+bool has_driven_slide(const Scene& scene, const tool::Bodies& bodies) {
+  const auto spin_of = [&scene](std::uint32_t id) {
     const Body& body = scene.bodies[id];
     const bool keeps_spin = body.type == BodyType::kinematic_body || body.fixed_rotation;
-    return body.type != BodyType::static_body && keeps_spin && body.angular_velocity != 0;
+    return body.type != BodyType::static_body && keeps_spin ? std::fabs(body.angular_velocity) : 0;
   };
-  const auto pulls = [](const std::optional<engine::JointSpring>& spring) {
-    return spring && (spring->absolute ? spring->stiffness : spring->hertz) > 0;
+  const auto mass_of = [&bodies](std::uint32_t id) {
+    const auto found = std::find_if(bodies.begin(), bodies.end(), [id](const auto& body) { return body.id == id; });
+    return found != bodies.end() ? found->mass : 0;
+  };
+  const auto throws = [&](const Joint& joint, std::uint32_t leader, std::uint32_t other) {
+    const double spin = spin_of(leader);
+    if (!(spin > 0) || joint.limits) return false;
+    if (!joint.spring) return true;
+    const double omega2 = joint.spring->absolute ? joint.spring->stiffness / mass_of(other)
+                                                 : std::pow(2 * std::numbers::pi * joint.spring->hertz, 2);
+    return omega2 < spin * spin;
   };
   return std::any_of(scene.joints.begin(), scene.joints.end(), [&](const Joint& joint) {
-    const bool slides = joint.kind == engine::JointKind::prismatic || joint.kind == engine::JointKind::wheel;
-    const bool is_held = joint.limits || pulls(joint.spring) || pulls(joint.linear_spring);
     // A slider holds the angle between its bodies; a wheel may turn while its axis does not.
-    const bool b_leads = joint.kind == engine::JointKind::prismatic && turns(joint.body_b);
-    return slides && !is_held && (turns(joint.body_a) || b_leads);
+    const bool is_slider = joint.kind == engine::JointKind::prismatic;
+    if (!is_slider && joint.kind != engine::JointKind::wheel) return false;
+    return throws(joint, joint.body_a, joint.body_b) || (is_slider && throws(joint, joint.body_b, joint.body_a));
   });
 }
 
@@ -77,8 +87,8 @@ bool has_singular_start(const Scene& scene, const tool::Bodies& bodies) {
   });
 }
 
-/// The ways of bodies by the impulses and forces of inputs alone. An input for a heavy body may be given to a light
-/// one.
+/// The ways of bodies by the impulses, forces and torques of inputs alone. An input for a heavy body may be given to a
+/// light one. A contact may turn a spin into a speed of the same energy.
 class ThrownBodies {
  public:
   explicit ThrownBodies(const SoakCase& soak_case) : inputs_(soak_case.inputs) {}
@@ -87,11 +97,18 @@ class ThrownBodies {
   void add_tick(const tool::Bodies& bodies, std::uint64_t tick, double dt) {
     for (; at_ < inputs_.size() && inputs_[at_].tick <= tick; ++at_) {
       const engine::Input& input = inputs_[at_];
-      const bool is_force = input.kind == engine::InputKind::force;
-      if (!is_force && input.kind != engine::InputKind::impulse) continue;
-      for (const BodyReport& body : bodies)
-        if (body.id == input.body && body.mass > 0)
-          speeds_[body.id] += std::hypot(input.values[0], input.values[1]) * (is_force ? dt : 1) / body.mass;
+      const bool is_torque = input.kind == engine::InputKind::torque;
+      const bool lasts = is_torque || input.kind == engine::InputKind::force;
+      if (!lasts && input.kind != engine::InputKind::impulse) continue;
+      const auto& values = input.values;
+      const double push = is_torque ? 0 : std::hypot(values[0], values[1]);
+      const double twist = is_torque ? std::fabs(values[0]) : std::fabs(values[2] * values[1] - values[3] * values[0]);
+      for (const BodyReport& body : bodies) {
+        if (body.id != input.body || !(body.mass > 0)) continue;
+        double speed = push / body.mass;
+        if (body.inertia > 0) speed += twist / std::sqrt(body.mass * body.inertia);
+        speeds_[body.id] += speed * (lasts ? dt : 1);
+      }
     }
     for (const auto& [id, speed] : speeds_) ways_[id] += speed * dt;
   }
@@ -264,7 +281,8 @@ PhysicsCounts count_physics(const RunContext& context, const BaseRun& base) {
   const auto made = context.make(scene, {});
   if (!made) return counts;
   engine::Engine& engine = **made;
-  const bool must_stay = counts.is_judged && !has_driven_slide(scene) && !has_singular_start(scene, engine.bodies());
+  const bool must_stay =
+      counts.is_judged && !has_driven_slide(scene, engine.bodies()) && !has_singular_start(scene, engine.bodies());
   counts.broken[4] = base.joints_failed && must_stay;
   const std::string end = " at tick " + std::to_string(base.tick_count);
   if (counts.broken[4]) counts.texts.push_back("a value is not finite" + end);
