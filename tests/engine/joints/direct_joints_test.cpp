@@ -15,6 +15,7 @@
 #include "engine/random_worlds/random_world.h"
 #include "engine/scene/input.h"
 #include "tests/support/engine_runs.h"
+#include "tests/support/joint_gaps.h"
 #include "tests/support/joints.h"
 
 using namespace ticktrue;
@@ -454,6 +455,63 @@ TEST_CASE("a bead on a bar that turns about its own anchor gains what the bar gi
   run_ticks(*engine, 120);
   const Point place = engine->bodies()[1].center;
   CHECK(std::hypot(place.x, place.y) == Approx(0.5 * std::cosh(2)).epsilon(1e-3));
+}
+
+TEST_CASE("a bead slides outwards on a body of fixed spin, as cosh(w t)", "[engine][joints][direct][analytic]") {
+  constexpr double spin = 4, start = 0.1;  // rad/s, m
+  for (const auto& joints : engine::joint_solvers) {
+    Scene scene = empty_scene(Precision::f64);
+    scene.gravity = {};
+    scene.settings.joints = joints.kind;
+    scene.bodies = {bob({0, 0}, 1e9), bob({start, 0})};
+    scene.bodies[0].fixed_rotation = true;
+    scene.bodies[0].angular_velocity = spin;
+    scene.bodies[1].velocity = {0, spin * start};
+    scene.joints = {joint_of(JointKind::wheel, 0, 1)};
+    scene.joints[0].axis = {1, 0};
+    const auto engine = make_engine_or_fail(scene);
+    run_ticks(*engine, 60);
+    const Point at = engine->bodies()[1].center;
+    CAPTURE(joints.name);
+    CHECK(std::hypot(at.x, at.y) == Approx(start * std::cosh(spin)).epsilon(0.05));
+  }
+}
+
+TEST_CASE("planks that turn on a corner of a chain keep their joints", "[engine][joints][direct][impacts]") {
+  // The edge after the corner stopped the plank in most substeps, and the joints opened by 4 cm.
+  struct Start {
+    Point position;
+    double angle;
+    Point velocity;
+    double angular_velocity;
+  };
+  constexpr Start starts[] = {{{-0.1534, 4.5725}, -0.9385, {-0.27, -0.197}, -0.894},
+                              {{0.3878, 4.0736}, -0.5511, {-0.665, -0.599}, -0.638},
+                              {{1.0091, 3.6547}, -0.6355, {-0.445, -0.334}, 1.566},
+                              {{1.3663, 3.061}, -1.4224, {0.094, 0.176}, 0.509}};
+  Scene scene = empty_scene(Precision::f64);
+  scene.settings.joints = engine::JointSolverKind::direct;
+  scene.bodies = {body_of(
+      chain_shape(
+          {{0.375, 0.0234375}, {0.25, -0.09375}, {0.125, -0.09375}, {0, 0}, {-0.125, 0}, {-0.25, 0}, {-0.375, 0}}),
+      {1.2305, 3.375}, BodyType::static_body)};
+  for (std::uint32_t i = 0; i < 4; ++i) {
+    Body plank = body_of(box_shape(0.375, 0.09375), starts[i].position);
+    plank.angle = starts[i].angle;
+    plank.velocity = starts[i].velocity;
+    plank.angular_velocity = starts[i].angular_velocity;
+    scene.bodies.push_back(plank);
+    scene.joints.push_back(joint_of(JointKind::revolute, i, i + 1));
+    scene.joints[i].anchor_a = i == 0 ? Point{-1.6055, 1.5} : Point{0.375, 0};
+    scene.joints[i].anchor_b = {-0.375, 0};
+  }
+  const auto engine = make_engine_or_fail(scene);
+  double largest = 0;
+  for (int tick = 0; tick < 60; ++tick) {
+    run_ticks(*engine, 1);
+    for (const JointGap& gap : joint_gaps(scene, engine->bodies())) largest = std::max(largest, gap.gap);
+  }
+  CHECK(largest < 1e-3);
 }
 
 TEST_CASE("four integrators gain nothing in a minute, with each kind of joint",
