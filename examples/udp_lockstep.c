@@ -246,7 +246,10 @@ int main(int argc, char** argv) {
     ++silence;
     for (int wait_ms = 2; poll(&waits, 1, wait_ms) > 0; wait_ms = 0) {
       const ssize_t size = recv(match.socket, &packet, sizeof packet, 0);
-      if (size < (ssize_t)offsetof(Packet, rest)) break;
+      if (size < (ssize_t)offsetof(Packet, rest)) {
+        poll(NULL, 0, 2); /* refused: the other has not started, and the next call would not wait */
+        break;
+      }
       take_packet(&match, &packet, (size_t)size - offsetof(Packet, rest));
       silence = 0;
     }

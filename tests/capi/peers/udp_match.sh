@@ -36,6 +36,7 @@ match() {
   # shellcheck disable=SC2086 # words
   "$program" 0 --port "$port" $2 >"$work/0" 2>&1 &
   first=$!
+  [ -n "${late:-}" ] && sleep "$late"
   # shellcheck disable=SC2086
   "$1" 1 --port "$port" $3 >"$work/1" 2>&1
   code_1=$?
@@ -66,6 +67,12 @@ while [ $run -lt 20 ]; do
   grep -q 'the same up to tick 299' "$work/0" || complain "clean match $run: expected all ticks compared, found:"
   run=$((run + 1))
 done
+
+# A player who is there first waits for the other.
+late=.5
+match "$program" "" ""
+late=
+[ "$code_0,$code_1" = 0,0 ] || complain "late player: exit codes: found $code_0 and $code_1, expected 0"
 
 named "--bug flip --at 7" 'desync  udp-lockstep  tick 7$'
 named "--bug flip --at 7" 'column  boats.points      row 5$'
