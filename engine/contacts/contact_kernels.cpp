@@ -184,6 +184,20 @@ TICKTRUE_INLINE void solve_lanes(const ContactWork& work, std::size_t i, const L
   const V dy = pair.b.at[1] - pair.a.at[1];
   V& wa = pair.a.at[2];
   V& wb = pair.b.at[2];
+  if constexpr (has(features, contact_feature::surface)) {
+    // A torque against the relative rotation, at most rolling resistance times normal force. Before the points: each
+    // of them then sees what the torque does to it.
+    SurfaceLanes& surface = work.surfaces[i];
+    const V normal_impulse = lanes.load(batch.points[0].normal_impulse) + lanes.load(batch.points[1].normal_impulse);
+    const V limit = lanes.load(surface.rolling_resistance) * normal_impulse;
+    const V old_impulse = lanes.load(surface.rolling_impulse);
+    const V wanted = old_impulse - lanes.load(surface.rolling_mass) * (wb - wa);
+    const V impulse = larger(zero - limit, smaller(limit, wanted));
+    lanes.store(surface.rolling_impulse, impulse);
+    const V change = impulse - old_impulse;
+    wa -= pair.inv_inertia_a * change;
+    wb += pair.inv_inertia_b * change;
+  }
   V normal_velocity = dx * pair.nx + dy * pair.ny;
   V normal_sum = zero;
   for (int p = 0; p < points_of(features); ++p) {
@@ -242,19 +256,6 @@ TICKTRUE_INLINE void solve_lanes(const ContactWork& work, std::size_t i, const L
       wb += (pair.inv_inertia_b * arm_b) * change;
       tangent_sum += change;
     }
-  }
-  if constexpr (has(features, contact_feature::surface)) {
-    // A torque against the relative rotation, at most rolling resistance times normal force.
-    SurfaceLanes& surface = work.surfaces[i];
-    const V normal_impulse = lanes.load(batch.points[0].normal_impulse) + lanes.load(batch.points[1].normal_impulse);
-    const V limit = lanes.load(surface.rolling_resistance) * normal_impulse;
-    const V old_impulse = lanes.load(surface.rolling_impulse);
-    const V wanted = old_impulse - lanes.load(surface.rolling_mass) * (wb - wa);
-    const V impulse = larger(zero - limit, smaller(limit, wanted));
-    lanes.store(surface.rolling_impulse, impulse);
-    const V change = impulse - old_impulse;
-    wa -= pair.inv_inertia_a * change;
-    wb += pair.inv_inertia_b * change;
   }
   add_impulses(pair, normal_sum, tangent_sum);
   store_pair(lanes, pair, work.bodies);

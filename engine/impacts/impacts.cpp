@@ -518,6 +518,7 @@ void finish_impacts(const SolvedSet& solved, const ImpactWorkspace& work) {
 
 void stop_at_walls(const SolvedSet& solved, const std::vector<ImpactPair>& impacts, const DirectWorkspace& direct,
                    ImpactWorkspace& work) {
+  if (work.active.empty()) return;
   const Model& model = solved.model;
   const State& state = solved.state;
   const Real h = solved.set.h;

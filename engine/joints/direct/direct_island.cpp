@@ -136,7 +136,8 @@ void set_residuals(DirectIsland& island, const Residual& residual) {
   for (std::size_t i = 0; i < island.joints.size(); ++i) {
     const DirectJoint& joint = island.joints[i];
     Triple& value = island.system.values[island.graph->joint_nodes[i]];
-    for (std::size_t row = 0; row < joint.equations.row_count; ++row) value[row] = -residual(joint, row);
+    for (std::size_t row = 0; row < joint.equations.row_count; ++row)
+      if (joint.can_move[row]) value[row] = -residual(joint, row);
   }
 }
 
@@ -200,6 +201,7 @@ double set_position_residuals(DirectIsland& island, double h) {
     const Triple then = errors_after_move(island, joint, shape, a, b);
     value = {};
     for (std::size_t row = 0; row < joint.equations.row_count; ++row) {
+      if (!joint.can_move[row]) continue;  // whatever is asked of it, it misses
       value[row] = -residual_of(island, joint, row, then[row], h);
       if (row >= joint.equations.rigid_count) continue;
       const double miss = magnitude(then[row] - joint.targets[row]);
@@ -333,6 +335,8 @@ void factor_island(DirectIsland& island) {
     const Pose& a = joint.body_a == no_direct_body ? world : island.bodies[joint.body_a].pose;
     const Pose& b = joint.body_b == no_direct_body ? world : island.bodies[joint.body_b].pose;
     find_equations(island.shapes[i], a, b, joint.equations);
+    for (std::size_t row = 0; row < joint.equations.row_count; ++row)
+      joint.can_move[row] = mobility(island, joint, row) > 0;
   }
   for (DirectDrive& drive : island.drives) drive.law = {};
   for_drives(island, [](const DirectJoint& joint, std::size_t row, DirectDrive& drive, double) {
@@ -412,7 +416,8 @@ void choose_push(DirectIsland& island, double h) {
   double most = 0;
   for (const DirectJoint& joint : island.joints)
     for (std::size_t row = 0; row < joint.equations.rigid_count; ++row)
-      if (magnitude(joint.equations.errors[row]) > most) most = magnitude(joint.equations.errors[row]);
+      if (joint.can_move[row] && magnitude(joint.equations.errors[row]) > most)
+        most = magnitude(joint.equations.errors[row]);
   if (most <= gap_of_rounding) return;
   set_residuals(island, [h](const DirectJoint& joint, std::size_t row) {
     return row < joint.equations.rigid_count ? taken_back(joint.equations.errors[row], h) / h : 0;

@@ -45,11 +45,12 @@ struct DirectBody {
 struct DirectJoint {
   std::uint32_t body_a = no_direct_body;
   std::uint32_t body_b = no_direct_body;
-  std::uint32_t first_drive = 0;  // in DirectIsland::drives, of the rows after the rigid ones
-  Triple impulses{};              // of this substep, before the move
-  JointEquations equations;       // at the poses of the last factor_island
-  Triple compliances{};           // 1/kg or 1/(kg m^2)
-  Triple targets{};               // of the errors of rigid rows after the move; filled by begin_substep
+  std::uint32_t first_drive = 0;   // in DirectIsland::drives, of the rows after the rigid ones
+  Triple impulses{};               // of this substep, before the move
+  JointEquations equations;        // at the poses of the last factor_island
+  std::array<bool, 3> can_move{};  // of the row: a body follows its impulse; filled by factor_island
+  Triple compliances{};            // 1/kg or 1/(kg m^2)
+  Triple targets{};                // of the errors of rigid rows after the move; filled by begin_substep
 };
 
 enum class PositionOutcome : std::uint8_t { met, scaled, missed };
