@@ -45,9 +45,10 @@ void solve_revolute(JointWork& joint, JointBodies& pair, Real h, Bias bias) {
   const JointModel& model = *joint.model;
   const PointRow point = point_row(joint, pair, ActsAt::middle);
   const Vec2 arm_rate = corrects(bias) ? arm_rotation_rate(point.arm_a, point.arm_b, pair, h) : Vec2{0, 0};
-  solve_rigid_point(joint, point, pair, softness(joint, bias), arm_rate);
-  if (!model.is_driven_revolute) return;
+  const Softness soft = softness(joint, bias);
+  if (!model.is_driven_revolute) return solve_rigid_point(joint, point, pair, soft, arm_rate);
   const ConstrainedAngleRow row = constrained_angle_row(joint, point);
+  solve_rigid_point(joint, point, pair, soft, arm_rate, impulse_along(joint.impulses) * row.reaction);
   const Real angle = model.spring.exists || model.has_limits ? relative_angle(joint, pair) : 0;
   if (model.spring.exists && bias == Bias::on)
     solve_spring(joint, row, pair, joint.spring, angle, joint.start_speed, no_impulse_limit, joint.impulses.spring);
@@ -118,7 +119,9 @@ void solve_weld(JointWork& joint, JointBodies& pair, Real, Bias bias) {
     solve_rigid_weld(joint, point, pair, soft);
     return;
   }
-  if (model.rigid) solve_rigid_point(joint, point, pair, soft);
+  if (model.rigid)
+    solve_rigid_point(joint, point, pair, soft, {0, 0},
+                      joint.impulses.angular * constrained_angle_row(joint, point).reaction);
   if (!model.rigid_angle && bias == Bias::on) {
     const Real error = relative_angle(joint, pair);
     if (model.rigid)

@@ -282,12 +282,13 @@ inline Vec2 arm_rotation_rate(Vec2 arm_a, Vec2 arm_b, const JointBodies& pair, R
   return (1 / h) * (versine(h * pair.a.angular_velocity) * arm_a - versine(h * pair.b.angular_velocity) * arm_b);
 }
 
-/// `drift_rate`: change of the error in this substep besides the velocity, m/s.
+/// `drift_rate`: change of the error in this substep besides the velocity, m/s. `reaction`: the part of the impulse
+/// that answers rows of the angle. It is as stiff as they are.
 inline void solve_rigid_point(JointWork& joint, const PointRow& row, JointBodies& pair, const Softness& soft,
-                              Vec2 drift_rate = {0, 0}) {
+                              Vec2 drift_rate = {0, 0}, Vec2 reaction = {0, 0}) {
   if (!moves_something(joint)) return;
   const Vec2 wanted = row.solved((row.velocity(pair) + drift_rate) + soft.bias_rate * row.error);
-  const Vec2 change = -(soft.mass_scale * wanted) - soft.impulse_scale * joint.impulses.linear;
+  const Vec2 change = -(soft.mass_scale * wanted) - soft.impulse_scale * (joint.impulses.linear - reaction);
   joint.impulses.linear = joint.impulses.linear + change;
   row.apply(joint, pair, change);
 }

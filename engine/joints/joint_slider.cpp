@@ -59,8 +59,10 @@ void warm_start_prismatic(JointWork& joint, JointBodies& pair) {
   angle_row(joint).apply(joint, pair, joint.impulses.angular);
 }
 
-/// The rows across the axis and about the angle.
-void solve_line(JointWork& joint, const Slide& slide, JointBodies& pair, Bias bias) {
+/// The rows across the axis and about the angle. The parts of their impulses that answer rows along the axis are as
+/// stiff as those.
+void solve_line(JointWork& joint, const ConstrainedLineRow& along, JointBodies& pair, Bias bias) {
+  const Slide& slide = along.slide;
   const Softness soft = softness(joint, bias);
   const AngleRow angle = angle_row(joint);
   if (angle.mobility <= 0) {
@@ -74,8 +76,10 @@ void solve_line(JointWork& joint, const Slide& slide, JointBodies& pair, Bias bi
   const Real inv_determinant = 1 / (slide.across.mobility * angle.mobility - k12 * k12);
   const Real p = inv_determinant * (angle.mobility * rate - k12 * spin);
   const Real t = inv_determinant * (slide.across.mobility * spin - k12 * rate);
-  const Real across = -(soft.mass_scale * p) - soft.impulse_scale * joint.impulses.linear.x;
-  const Real about_angle = -(soft.mass_scale * t) - soft.impulse_scale * joint.impulses.angular;
+  const Real driven = impulse_along(joint.impulses);
+  const Real across = -(soft.mass_scale * p) - soft.impulse_scale * (joint.impulses.linear.x - along.across * driven);
+  const Real about_angle =
+      -(soft.mass_scale * t) - soft.impulse_scale * (joint.impulses.angular - along.about_angle * driven);
   joint.impulses.linear.x += across;
   joint.impulses.angular += about_angle;
   slide.across.apply(joint, pair, across);
@@ -88,9 +92,8 @@ void solve_prismatic(JointWork& joint, JointBodies& pair, Real h, Bias bias) {
   if (!moves_something(joint)) return;
   const JointModel& model = *joint.model;
   const Slide slide = slide_of(joint, pair);
-  solve_line(joint, slide, pair, bias);
-  if (!model.spring.exists && !model.has_motor && !model.has_limits) return;
   const ConstrainedLineRow along = constrained_line_row(joint, slide);
+  solve_line(joint, along, pair, bias);
   solve_spring_along(joint, along, pair, slide.translation, bias);
   if (model.has_motor && bias != Bias::of_drift)
     solve_motor(joint, along, pair, joint.motor_speed, joint.motor_impulse_max, joint.impulses.motor);
