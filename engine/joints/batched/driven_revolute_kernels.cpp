@@ -65,6 +65,12 @@ struct DrivenRevolute {
   }
 };
 
+/// The sum of a joint's impulses about the angle, N m s.
+TICKTRUE_INLINE RealxN impulse_about(const LaneRange& lanes, const DrivenRevoluteBatch& batch) {
+  return (lanes.load(batch.spring_impulse) + lanes.load(batch.motor_impulse)) +
+         (lanes.load(batch.lower_impulse) - lanes.load(batch.upper_impulse));
+}
+
 TICKTRUE_INLINE RealxN clamped(RealxN value, RealxN limit) {
   return larger(smaller(value, limit), -limit);
 }
@@ -167,8 +173,12 @@ void solve(const DrivenRevoluteWork& work) {
       vy = (vy + arm_rate_y) + broadcast(soft.bias_rate) * arms.ey;
       const RealxN wanted_x = inv_determinant * (k.k22 * vx - k.k12 * vy);
       const RealxN wanted_y = inv_determinant * (k.k11 * vy - k.k12 * vx);
-      const RealxN px = -(broadcast(soft.mass_scale) * wanted_x) - broadcast(soft.impulse_scale) * joint.linear_x;
-      const RealxN py = -(broadcast(soft.mass_scale) * wanted_y) - broadcast(soft.impulse_scale) * joint.linear_y;
+      // joint_rows.h, solve_rigid_point: the reaction to the angle's impulses is as stiff as they are.
+      const RealxN driven = impulse_about(lanes, batch);
+      const RealxN soft_x = joint.linear_x - (works ? driven * joint.row.reaction_x : zero);
+      const RealxN soft_y = joint.linear_y - (works ? driven * joint.row.reaction_y : zero);
+      const RealxN px = -(broadcast(soft.mass_scale) * wanted_x) - broadcast(soft.impulse_scale) * soft_x;
+      const RealxN py = -(broadcast(soft.mass_scale) * wanted_y) - broadcast(soft.impulse_scale) * soft_y;
       joint.linear_x += px;
       joint.linear_y += py;
       apply_impulse(joint.pair, arms, px, py);
@@ -195,8 +205,7 @@ void warm_start(const DrivenRevoluteWork& work) {
       const LaneRange lanes{batch.point, first};
       Pair pair = load_pair(lanes, work.bodies);
       const Arms arms = load_arms(lanes, pair, work.bodies);
-      const RealxN impulse = (lanes.load(batch.spring_impulse) + lanes.load(batch.motor_impulse)) +
-                             (lanes.load(batch.lower_impulse) - lanes.load(batch.upper_impulse));
+      const RealxN impulse = impulse_about(lanes, batch);
       pair.a.at[2] -= pair.inv_inertia_a * impulse;
       pair.b.at[2] += pair.inv_inertia_b * impulse;
       apply_impulse(pair, arms, lanes.load(batch.point.impulse_x), lanes.load(batch.point.impulse_y));
