@@ -500,6 +500,21 @@ TEST_CASE("rolling resistance c brakes a rolling disc by 2/3 c g", "[engine][sha
   CHECK(engine->bodies()[1].center.x == Approx(6 * 6 / (2 * 1.0)).margin(6 * settle));
 }
 
+TEST_CASE("rolling resistance does not keep a capsule in the floor", "[engine][shapes][regression]") {
+  // It took back the turn that pushed the deeper end out: 38 mm of overlap stayed.
+  Scene scene = empty_scene(Precision::f64);
+  scene.settings.substeps = 1;
+  scene.bodies = {ground(5), body_of(capsule_shape({-0.375, 0}, {0.375, 0}, 0.125), {0, 0.10625})};
+  scene.bodies[1].angle = -0.1;
+  scene.bodies[1].shapes[0].material.friction = 0;
+  scene.bodies[1].shapes[0].material.rolling_resistance = 1;
+  const auto engine = make_engine_or_fail(scene);
+  run_ticks(*engine, 300);
+  const BodyReport capsule = engine->bodies()[1];
+  const double lowest = capsule.center.y - 0.375 * std::fabs(engine::sin_cos(capsule.angle).sin) - 0.125;
+  CHECK(lowest > -2.5e-3);
+}
+
 TEST_CASE("a press holds capsules and rounded boxes where they are, lines and sensors nowhere",
           "[engine][shapes][analytic]") {
   const auto is_held = [](const Shape& shape, Point at) {
