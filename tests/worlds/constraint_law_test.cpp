@@ -449,6 +449,23 @@ TEST_CASE("a contact that pushes harder drags all that joints tie to its bodies"
   CHECK_FALSE(law_after(pushed, 600).gap());
 }
 
+TEST_CASE("what two joined bodies squeeze is not judged, and drags what joints tie to them",
+          "[verifier][soak][law][analytic]") {
+  // Three discs in a row on two pins, the second of which is open by 5 cm. A disc of 2.4 m between the first two.
+  Scene scene = pinned_discs(0);
+  scene.bodies.push_back(body_of(disc_shape(0.5), {6.05, 0}));
+  scene.joints.push_back(scene.joints[0]);
+  scene.joints[1].body_a = 1;
+  scene.joints[1].body_b = 2;
+  MovesNothing alone(law_engine(scene));
+  CHECK(law_after(alone, 600).gap());
+  scene.bodies.push_back(body_of(disc_shape(1.2), {1.5, 0}));
+  MovesNothing wedged(law_engine(scene));
+  const ConstraintLaw law = law_after(wedged, 600);
+  CHECK_FALSE(law.overlap());
+  CHECK_FALSE(law.gap());
+}
+
 TEST_CASE("a body that its scene throws does not break a rule", "[verifier][soak][law][analytic]") {
   const auto runs_away = [](const Scene& scene) {
     const SoakCase thrown{scene, {}, 16};

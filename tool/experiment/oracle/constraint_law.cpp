@@ -335,7 +335,7 @@ std::vector<Offence> contact_offences(const TickView& view, const std::vector<st
   for (const ContactReport& contact : view.contacts) {
     const std::uint32_t a = view.index.at(contact.body_a), b = view.index.at(contact.body_b);
     if (welded.contains(std::minmax(contact.body_a, contact.body_b))) continue;
-    if (view.is_fixed(a, b) || is_crushed[a] || is_crushed[b]) continue;
+    if (view.is_fixed(a, b)) continue;
     const bool are_moving = is_dynamic(view.bodies[a]) && is_dynamic(view.bodies[b]);
     const SoftLaw law =
         soft_law(are_moving ? contact_hertz_h : 2 * contact_hertz_h, contact_damping_ratio, view.substep_of(a, b));
@@ -364,8 +364,10 @@ std::vector<Offence> contact_offences(const TickView& view, const std::vector<st
       offence.breach.tolerance = tolerance;
       offence.breach.yielded = load_factor * contact.normal_force[i] * mobility / (law.omega * law.omega);
       offence.push = std::min(law.bias_rate * overlap, push_speed);
-      // A contact that pushes as hard as it can yields without bound.
-      offence.is_explained = offence.breach.yielded >= push_speed / law.bias_rate;
+      // A contact that pushes as hard as it can yields without bound. One that nothing could meet pushes all the same:
+      // on joints, and it has its way among what is pushed out together.
+      offence.is_explained =
+          offence.breach.yielded >= push_speed / law.bias_rate || is_crushed[a] != 0 || is_crushed[b] != 0;
       // A contact that slides may stop. Then the slack alone is allowed.
       offence.settling = settling_time(overlap, least, law.bias_rate, push_speed) / view.push_share;
       offence.jump = view.moved[a] + view.moved[b] + jump_share * std::min(view.extents[a].size, view.extents[b].size);
