@@ -232,12 +232,10 @@ void bound_bounce(const SolvedSet& solved, JointedImpacts& work) {
 
 }  // namespace
 
-void prepare_jointed_contacts(const SolvedSet& solved, const DirectWorkspace& direct, ContactBatches& contacts,
+void prepare_jointed_contacts(const SolvedSet& solved, const DirectWorkspace& direct, const ContactBatches& contacts,
                               JointedImpacts& out) {
   list_points(solved, direct, contacts, out);
   if (!contacts.bounces.empty()) store_start_energies(solved, out);
-  if (!direct.solves_joints) return;
-  for (const ImpactPoint& point : out.points) take_push_back_of(contacts, point.batch, point.lane);
 }
 
 void stop_jointed_contacts(const SolvedSet& solved, DirectWorkspace& direct, ContactBatches& contacts,

@@ -15,6 +15,16 @@
 namespace ticktrue::engine::TICKTRUE_PRECISION {
 namespace {
 
+/// The rigid passes of a shock take back what pushes overlaps apart. Where something overlaps by more than this share
+/// of the smaller shape, contacts push once more before the move.
+constexpr Real pushed_overlap_share = Real(0.02);
+
+bool has_deep_overlap(const SolvedSet& solved) {
+  for (const std::uint32_t contact : solved.contacts())
+    if (overlaps_by(solved.tick.contact_pairs[contact], pushed_overlap_share)) return true;
+  return false;
+}
+
 /// Iterative joints and gears take part in the last turns alone: more passes throw bodies on gears with limits.
 constexpr int joint_turn_max = 2;
 
@@ -58,6 +68,7 @@ void solve_in_turn(SolvedSet& solved, TickLists& tick, SolverWork& work, State& 
     }
     Real settled = settled_speed(solved);  // 0 unless an impact has hit bodies at rest
     propagate_shock(solved, settled, tick, contacts, shock);
+    if (settled > 0 && has_deep_overlap(solved)) solve_contacts(solved, contacts);
     find_joint_changes(solved, joints, gears, direct, motion);
     for (int turn = 0; turn < direct.turn_count && !motion.drift.joint_changes.empty(); ++turn) {
       if (turn > 0) solve_direct(solved, motion, direct);
