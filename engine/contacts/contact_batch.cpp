@@ -239,6 +239,14 @@ void solve_contacts(const SolvedSet& solved, ContactBatches& batches) {
   for_colors(solved, batches, solved.kernels().contacts.solve);
 }
 
+void take_push_back_of(ContactBatches& batches, std::uint32_t batch, std::uint32_t lane) {
+  std::vector<PushingBatch>& pushing = batches.pushing;
+  const auto is_before = [](const PushingBatch& of, std::uint32_t number) { return of.batch < number; };
+  auto at = std::lower_bound(pushing.begin(), pushing.end(), batch, is_before);
+  if (at == pushing.end() || at->batch != batch) at = pushing.insert(at, PushingBatch{batch, 0, {}, {}});
+  at->lanes |= 1u << lane;
+}
+
 void save_before_push(ContactBatches& out) {
   for (PushingBatch& pushing : out.pushing)
     for (int point = 0; point < 2; ++point) {

@@ -74,7 +74,10 @@ void prepare_contacts(const SolvedSet& solved, const ContactColors& colors, Cont
 void warm_start_contacts(const SolvedSet& solved, ContactBatches& batches);
 /// Requires: no pose has changed since prepare_contacts or the last relax_contacts.
 void solve_contacts(const SolvedSet& solved, ContactBatches& batches);
-/// Takes back the impulses that contacts of crowds got since save_before_push: what pushes them apart moves bodies, and
+/// Adds a contact to those whose pushes are taken back; the contacts of crowds are among them already. Requires:
+/// prepare_contacts.
+void take_push_back_of(ContactBatches& batches, std::uint32_t batch, std::uint32_t lane);
+/// Takes back the impulses that these contacts got since save_before_push: what pushes them apart moves bodies, and
 /// gives them no speed.
 void save_before_push(ContactBatches& batches);
 void take_back_pushes(const SolvedSet& solved, ContactBatches& batches);

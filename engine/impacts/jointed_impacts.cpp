@@ -232,10 +232,16 @@ void bound_bounce(const SolvedSet& solved, JointedImpacts& work) {
 
 }  // namespace
 
-void prepare_jointed_contacts(const SolvedSet& solved, const DirectWorkspace& direct, const ContactBatches& contacts,
+void prepare_jointed_contacts(const SolvedSet& solved, const DirectWorkspace& direct, ContactBatches& contacts,
                               JointedImpacts& out) {
   list_points(solved, direct, contacts, out);
   if (!contacts.bounces.empty()) store_start_energies(solved, out);
+  if (!direct.solves_joints) return;
+  for (const ImpactPoint& point : out.points) {
+    const ContactRow& row = solved.state.contacts[contacts.batches[point.batch].contact[point.lane]];
+    const bool is_lasting = row.normal_force[0] > 0 || row.normal_force[1] > 0;
+    if (!is_lasting) take_push_back_of(contacts, point.batch, point.lane);
+  }
 }
 
 void stop_jointed_contacts(const SolvedSet& solved, DirectWorkspace& direct, ContactBatches& contacts,

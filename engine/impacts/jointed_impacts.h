@@ -49,8 +49,9 @@ void list_fields(JointedImpacts& of, const Visit& visit) {
   visit(points, islands, velocities, stopped, start_energies);
 }
 
-/// Lists the contact points of jointed bodies of a set. Requires: find_direct_joints, prepare_contacts.
-void prepare_jointed_contacts(const SolvedSet& solved, const DirectWorkspace& direct, const ContactBatches& contacts,
+/// Lists the contact points of jointed bodies of a set; their pushes are taken back. Requires: find_direct_joints,
+/// prepare_contacts.
+void prepare_jointed_contacts(const SolvedSet& solved, const DirectWorkspace& direct, ContactBatches& contacts,
                               JointedImpacts& out);
 /// Stops contacts of jointed bodies that close fast. Requires: separations are those of the present poses.
 void stop_jointed_contacts(const SolvedSet& solved, DirectWorkspace& direct, ContactBatches& contacts,
