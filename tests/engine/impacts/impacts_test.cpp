@@ -5,6 +5,7 @@
 #include "base/random.h"
 #include "engine/math/trig.h"
 #include "engine/scene/hull.h"
+#include "engine/scene/scene_json.h"
 #include "tests/support/catch.h"
 #include "tests/support/engine_runs.h"
 #include "tests/support/scenes.h"
@@ -402,4 +403,36 @@ TEST_CASE("a bouncing box rests on the floor where impacts are located and no sp
     run_ticks(*engine, 600);
     CHECK(engine->bodies()[1].center.y > 0.49);
   }
+}
+
+TEST_CASE("boxes that rattle in a row are pushed apart between shocks", "[engine][impacts][regression]") {
+  // The shocks of hits took back what pushed overlaps apart: 4.1 mm of 6.1 mm were left after five ticks.
+  const auto scene = engine::parse_scene(R"({
+    "name": "rattling", "gravity": [10, -4],
+    "settings": {"precision": "f32", "dt": "1/120", "substeps": {"least": 5, "target_error": 0.0005, "most": 16},
+                 "locate_impacts": true, "substep_loads": "weight", "substep_budget": 0, "iterations": 12},
+    "bodies": [
+      {"type": "static", "position": [0, -0.5], "shapes": [{"type": "box", "half_size": [64, 0.5]}]},
+      {"position": [23.37285, 0.05469], "velocity": [5.4528, 0], "angular_velocity": -7e-05, "angle": -2e-05,
+       "shapes": [{"type": "box", "half_size": [0.0625, 0.015625], "restitution": 0.25},
+                  {"type": "box", "half_size": [0.03125, 0.0234375], "center": [0.0625, 0.0625]}]},
+      {"position": [23.49784, 0.04687], "velocity": [5.45277, 0], "angular_velocity": -4e-05, "angle": 1e-05,
+       "shapes": [{"type": "box", "half_size": [0.0625, 0.046875], "friction": 0.25},
+                  {"type": "box", "half_size": [0.03125, 0.03125], "friction": 0}]},
+      {"position": [23.64416, 0.06496], "velocity": [5.45217, 0.00759], "angular_velocity": 0.15276, "angle": 0.04811,
+       "shapes": [{"type": "box", "half_size": [0.0625, 0.0625], "friction": 0, "restitution": 0.25},
+                  {"type": "circle", "radius": 0.03, "center": [-0.0625, 0]}]},
+      {"position": [23.77335, 0.05763], "velocity": [5.45444, 0.00371], "angular_velocity": 0.15288, "angle": -1.32481,
+       "shapes": [{"type": "polygon", "restitution": 0.5,
+                   "vertices": [[0.06057692307692308, 0.015384615384615385], [-0.015384615384615385, 0.06057692307692308],
+                                [-0.06057692307692308, -0.015384615384615385],
+                                [0.015384615384615385, -0.06057692307692308], [0.0375, 0.05], [-0.05, 0.0375],
+                                [-0.0375, -0.05], [0.05, -0.0375]]}]},
+      {"position": [22.93975, 0.35355], "velocity": [10.2442, 0], "angle": 0.7854,
+       "shapes": [{"type": "polygon", "vertices": [[0.5, 0], [0, 0.5], [-0.5, 0], [0, -0.5]], "friction": 0}]}]})",
+                                         "rattling.json");
+  REQUIRE(scene);
+  const auto engine = make_engine_or_fail(*scene);
+  run_ticks(*engine, 5);
+  CHECK(deepest_of(*engine) < 2e-3);
 }
