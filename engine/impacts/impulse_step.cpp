@@ -18,6 +18,7 @@ namespace {
 
 constexpr double compliance_share = 1e-9;  // of a row's own mobility
 constexpr int proximal_count = 3;
+constexpr double left_share = 1e-3;            // of the largest residual; rows that can be met leave 1e-9 and less
 constexpr double envelope_work_max = 1 << 24;  // multiplications of a factorization
 // The work of a step, in contacts solved once.
 constexpr std::uint64_t work_of_row = 70;
@@ -290,6 +291,19 @@ void find_changes(ImpulseStep& out) {
   }
 }
 
+/// Whether no velocities meet all normals, as of a body between two immovable ones that approach each other. Impulses
+/// against the compliance alone would answer what is left, and friction would grow with them.
+bool contradicts_itself(const ImpulseStep& out) {
+  double asked = 0, left = 0;
+  for (const ActiveRow& row : out.rows) {
+    if (row.is_friction) continue;
+    const double rest = row.residual + speed_along(row, out.total);
+    asked = std::max(asked, row.residual < 0 ? -row.residual : row.residual);
+    left = std::max(left, rest < 0 ? -rest : rest);
+  }
+  return left > left_share * asked;
+}
+
 /// The largest step, as a share of the changes, for which every row stays active.
 double longest_step(const ImpulseStep& out) {
   double step = 1;
@@ -376,6 +390,7 @@ StepWork step_active_contacts(const SolvedSet& solved, ContactBatches& contacts,
   make_system(solved.bodies, out);
   factor(out);
   find_changes(out);
+  if (contradicts_itself(out)) return {false, work, no_step_limit};
   const double step = longest_step(out);
   out.full_change.resize(out.rows.size());
   for (std::size_t i = 0; i < out.rows.size(); ++i) out.full_change[i] = out.rows[i].change;

@@ -27,6 +27,29 @@ void solve_spring_along(JointWork& joint, const Row& along, JointBodies& pair, R
                joint.impulses.spring);
 }
 
+/// The change of the deviation in a substep besides the velocity across the axis, per h. It comes from rotating arms,
+/// as in a rod (joint_distance.cpp), and from what slides along an axis that rotates. The arm of a wheel's B is left
+/// out: a light rod on two axes would gain energy. Bodies that keep their angle meet a lead as one.
+Real deviation_rate(const JointWork& joint, const Slide& slide, const JointBodies& pair, Real h) {
+  const LineRow& row = slide.across;
+  const bool as_one = joint.model->holds_angle && joint.inv_inertia_a + joint.inv_inertia_b > 0;
+  Real mobility = row.mobility;
+  if (as_one) {
+    const Real levers = row.lever_a - row.lever_b;
+    const Real share = joint.inv_inertia_b / (joint.inv_inertia_a + joint.inv_inertia_b);
+    mobility = (joint.inv_mass_a + joint.inv_mass_b) + joint.inv_inertia_a * share * levers * levers;
+  }
+  const Real spin = pair.a.angular_velocity;
+  const Real turn = h * spin;
+  const Real sine = turn / (1 + Real(0.25) * turn * turn);  // with versine(turn): of a unit vector
+  const Real slid = slide.along.speed(pair);
+  const auto bounded = [&](Real lead) { return bounded_lead(lead, spin, joint.inv_inertia_a, mobility); };
+  const Real turned = bounded(bounded_lead(sine * slid, slid, slide.along.mobility, mobility));
+  // cross(axis, arm) = dot(normal, arm) = -lever of the row along the axis
+  const Real arm = as_one ? slide.along.lever_b - slide.along.lever_a : -slide.along.lever_a;
+  return bounded(arm * versine(turn) / h) - turned;
+}
+
 // ---- Prismatic ----
 
 void describe_prismatic(JointModel& model, const Joint& joint, const JointCenters& centers) {
@@ -61,17 +84,18 @@ void warm_start_prismatic(JointWork& joint, JointBodies& pair) {
 
 /// The rows across the axis and about the angle. The parts of their impulses that answer rows along the axis are as
 /// stiff as those.
-void solve_line(JointWork& joint, const ConstrainedLineRow& along, JointBodies& pair, Bias bias) {
+void solve_line(JointWork& joint, const ConstrainedLineRow& along, JointBodies& pair, Real h, Bias bias) {
   const Slide& slide = along.slide;
   const Softness soft = softness(joint, bias);
+  const Real lead = corrects(bias) ? deviation_rate(joint, slide, pair, h) : Real(0);
   const AngleRow angle = angle_row(joint);
   if (angle.mobility <= 0) {
-    solve_rigid(joint, slide.across, pair, slide.deviation, soft, joint.impulses.linear.x);
+    solve_rigid(joint, slide.across, pair, slide.deviation, soft, joint.impulses.linear.x, lead);
     return;
   }
   // 2 x 2, by Cramer's rule.
   const Real k12 = slide_coupling(joint, slide.across);
-  const Real rate = slide.across.speed(pair) + soft.bias_rate * slide.deviation;
+  const Real rate = (slide.across.speed(pair) + lead) + soft.bias_rate * slide.deviation;
   const Real spin = angle.speed(pair) + soft.bias_rate * relative_angle(joint, pair);
   const Real inv_determinant = 1 / (slide.across.mobility * angle.mobility - k12 * k12);
   const Real p = inv_determinant * (angle.mobility * rate - k12 * spin);
@@ -93,7 +117,7 @@ void solve_prismatic(JointWork& joint, JointBodies& pair, Real h, Bias bias) {
   const JointModel& model = *joint.model;
   const Slide slide = slide_of(joint, pair);
   const ConstrainedLineRow along = constrained_line_row(joint, slide);
-  solve_line(joint, along, pair, bias);
+  solve_line(joint, along, pair, h, bias);
   solve_spring_along(joint, along, pair, slide.translation, bias);
   if (model.has_motor && bias != Bias::of_drift)
     solve_motor(joint, along, pair, joint.motor_speed, joint.motor_impulse_max, joint.impulses.motor);
@@ -123,7 +147,8 @@ void solve_wheel(JointWork& joint, JointBodies& pair, Real h, Bias bias) {
   if (model.has_motor && bias != Bias::of_drift)
     solve_motor(joint, angle_row(joint), pair, joint.motor_speed, joint.motor_impulse_max, joint.impulses.motor);
   if (model.has_limits) solve_limits(joint, slide.along, pair, slide.translation, h, bias);
-  solve_rigid(joint, slide.across, pair, slide.deviation, softness(joint, bias), joint.impulses.linear.x);
+  const Real lead = corrects(bias) ? deviation_rate(joint, slide, pair, h) : Real(0);
+  solve_rigid(joint, slide.across, pair, slide.deviation, softness(joint, bias), joint.impulses.linear.x, lead);
 }
 
 }  // namespace

@@ -615,9 +615,10 @@ void ConstraintLaw::look(const engine::Engine& engine, double dt) {
   }
   view.h = substeps_of(scene_, state, dt, view.index);
   view.is_asleep = find_asleep(state, view.index);
-  std::vector<std::uint8_t> is_crushed(view.bodies.size());
+  std::vector<std::uint8_t> is_driven(view.bodies.size());
+  find_driven(view, is_driven);
+  std::vector<std::uint8_t> is_crushed = is_driven;
   find_squeezed(view, is_crushed);
-  find_driven(view, is_crushed);
 
   std::vector<double> pulled(view.bodies.size()), pushed(view.bodies.size());
   stored_energy_ = 0;
@@ -625,6 +626,8 @@ void ConstraintLaw::look(const engine::Engine& engine, double dt) {
   std::vector<Offence> contacts = contact_offences(view, is_crushed, pushed);
   explain(contacts, pulled);
   explain(joints, spread_over(view, joints, pushed));
+  for (Offence& joint : joints)  // between a driver and a wall, joints can be met as little as contacts
+    if (is_driven[joint.body_a] != 0 || is_driven[joint.body_b] != 0) joint.is_explained = true;
   std::vector<const Offence*> all;
   for (const Offence& offence : contacts) all.push_back(&offence);
   for (const Offence& offence : joints) all.push_back(&offence);
