@@ -131,6 +131,8 @@ struct Offence {
   Breach breach;
   double push = 0;      // m/s, of the bias
   double settling = 0;  // s
+  double least = 0;     // m: what does not matter
+  double rate = 0;      // 1/s, of the bias
   double jump = 0;      // m: beyond this growth in a tick, the overlap is a new one
   bool is_explained = false;
 };
@@ -198,6 +200,12 @@ bool overlaps(const ContactReport& contact) {
   return contact.separation[0] < 0 || (contact.point_count == 2 && contact.separation[1] < 0);
 }
 
+/// How far the angle is off that a joint holds without a spring, rad.
+double angle_off(const Joint& joint, const BodyReport& a, const BodyReport& b) {
+  const bool is_held = joint.kind == JointKind::prismatic || (joint.kind == JointKind::weld && !joint.spring);
+  return is_held ? std::fabs(std::remainder(b.angle - a.angle - joint.reference_angle, 2 * engine::pi)) : 0;
+}
+
 /// Joints that are off, the speed at which joints pull each body, and the energy that joints store.
 std::vector<Offence> joint_offences(const TickView& view, std::vector<double>& pulled, double& stored) {
   std::vector<Offence> list;
@@ -207,14 +215,19 @@ std::vector<Offence> joint_offences(const TickView& view, std::vector<double>& p
     const std::uint32_t number = view.joints.whole(i, "joint");
     const Joint& joint = view.scene.joints[number];
     const double gap = gaps[number];
-    if (!(gap > 0) || !engine::has_body_a(joint.kind)) continue;
+    if (!engine::has_body_a(joint.kind)) continue;
     const std::uint32_t ends[2] = {view.index.at(joint.body_a), view.index.at(joint.body_b)};
     if (view.is_fixed(ends[0], ends[1])) continue;
     const BodyReport* pair[2] = {&view.bodies[ends[0]], &view.bodies[ends[1]]};
+    const double h = view.substep_of(ends[0], ends[1]);
+    const SoftLaw law = soft_law(joint_hertz_h, joint_damping_ratio, h);
+    // A joint that turns its bodies to the angle that it holds moves their points, too.
+    const double turning = law.bias_rate * angle_off(joint, *pair[0], *pair[1]);
+    for (const std::uint32_t end : ends) pulled[end] = std::max(pulled[end], turning * view.extents[end].reach);
+    if (!(gap > 0)) continue;
     const Point arms[2] = {rotated(pair[0]->angle, joint.anchor_a), rotated(pair[1]->angle, joint.anchor_b)};
     const Point places[2] = {{pair[0]->origin.x + arms[0].x, pair[0]->origin.y + arms[0].y},
                              {pair[1]->origin.x + arms[1].x, pair[1]->origin.y + arms[1].y}};
-    const double h = view.substep_of(ends[0], ends[1]);
     double mobility = 0, mobility_of_torque = 0, turned_away = 0;
     for (int k = 0; k < 2; ++k) {
       // The forces of sliders act at B's anchor.
@@ -232,7 +245,6 @@ std::vector<Offence> joint_offences(const TickView& view, std::vector<double>& p
       if (std::min(side_a, side_b) < short_pulley_side * joint.length) continue;
       mobility *= 1 + joint.ratio * joint.ratio;
     }
-    const SoftLaw law = soft_law(joint_hertz_h, joint_damping_ratio, h);
     const double force = std::hypot(view.joints.value(i, "linear_force", 0), view.joints.value(i, "linear_force", 1));
     const double torque = std::fabs(view.joints.value(i, "torque"));
     const double rate = std::min(law.bias_rate, is_direct ? direct_push_rate : infinite);
@@ -255,6 +267,8 @@ std::vector<Offence> joint_offences(const TickView& view, std::vector<double>& p
     const double speed_max = is_direct ? direct_speed : push_speed;
     // What turns may stop. Then the slack alone is allowed.
     offence.settling = settling_time(gap, least, rate, speed_max) / view.push_share;
+    offence.least = least;
+    offence.rate = rate;
     // Far from the origin, the moves of every tick may be rounded by more than a push closes.
     const double closed = std::min(rate * gap, speed_max) * view.push_share * view.dt;
     offence.is_explained = 0.5 * view.rounding_of(ends[0], ends[1]) >= closed;
@@ -370,6 +384,8 @@ std::vector<Offence> contact_offences(const TickView& view, const std::vector<st
           offence.breach.yielded >= push_speed / law.bias_rate || is_crushed[a] != 0 || is_crushed[b] != 0;
       // A contact that slides may stop. Then the slack alone is allowed.
       offence.settling = settling_time(overlap, least, law.bias_rate, push_speed) / view.push_share;
+      offence.least = least;
+      offence.rate = law.bias_rate;
       offence.jump = view.moved[a] + view.moved[b] + jump_share * std::min(view.extents[a].size, view.extents[b].size);
       for (const std::uint32_t end : {a, b}) pushed[end] = std::max(pushed[end], offence.push);
       list.push_back(offence);
@@ -518,8 +534,9 @@ void explain(std::vector<Offence>& list, const std::vector<double>& other) {
                             std::max(other[offence.body_a], other[offence.body_b]) > offence.push;
 }
 
-/// Errors of connected bodies are corrected together, in the time of the slowest plus the way of all. Joints and
-/// touching shapes connect bodies, since pushes pass through them.
+/// Errors of connected bodies are corrected together. What is pushed out of one body is pushed into the next: while the
+/// slowest settles, an overlap may grow to the ways of all, which then are pushed out at its own rate. Joints connect
+/// bodies, and so do shapes that overlap or press on each other, since pushes pass through them.
 std::vector<double> times_of_clusters(const TickView& view, const std::vector<const Offence*>& offences,
                                       Groups& clusters) {
   const auto cluster_of = [&](const Offence& offence) {
@@ -527,16 +544,27 @@ std::vector<double> times_of_clusters(const TickView& view, const std::vector<co
   };
   const auto tie = [&](std::uint32_t a, std::uint32_t b) { clusters.tie(a, b); };
   tie_joined(view, tie);
-  tie_touching(view, tie);
+  for (const ContactReport& contact : view.contacts) {
+    const std::uint32_t a = view.index.at(contact.body_a), b = view.index.at(contact.body_b);
+    const bool presses = contact.normal_force[0] > 0 || (contact.point_count == 2 && contact.normal_force[1] > 0);
+    if ((overlaps(contact) || presses) && is_dynamic(view.bodies[a]) && is_dynamic(view.bodies[b])) tie(a, b);
+  }
   std::vector<double> ways(view.bodies.size()), longest(view.bodies.size()), times;
+  std::vector<const Offence*> one(view.bodies.size());  // [cluster]
+  std::vector<std::uint8_t> has_others(view.bodies.size());
   for (const Offence* offence : offences) {
     const std::uint32_t cluster = cluster_of(*offence);
     ways[cluster] += offence->breach.error;
     longest[cluster] = std::max(longest[cluster], offence->settling);
+    if (!one[cluster]) one[cluster] = offence;
+    if (one[cluster]->key != offence->key) has_others[cluster] = 1;
   }
   for (const Offence* offence : offences) {
     const std::uint32_t cluster = cluster_of(*offence);
-    times.push_back(seen_ticks * view.dt + longest[cluster] + ways[cluster] / (push_speed * view.push_share));
+    const double after = has_others[cluster] != 0
+                             ? settling_time(ways[cluster], offence->least, offence->rate, push_speed)
+                             : ways[cluster] / push_speed;
+    times.push_back(seen_ticks * view.dt + longest[cluster] + after / view.push_share);
   }
   return times;
 }
