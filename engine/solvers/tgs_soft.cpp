@@ -42,13 +42,15 @@ void solve_in_turn(SolvedSet& solved, TickLists& tick, SolverWork& work, State& 
   ContactBatches& contacts = contact_work.batches;
   prepare_contacts(solved, contact_work.colors, contacts);
   prepare_jointed_contacts(solved, direct, contacts, jointed_impacts);
+  const bool has_impacts = !tick.impacts.empty();
+  const bool has_joint_changes = !motion.drift.joint_changes.empty();
   for (int substep = 0; substep < set.substeps; ++substep) {
     stop_jointed_contacts(solved, direct, contacts, jointed_impacts);
     save_joint_velocities(solved, joints);
     begin_direct_substep(solved, direct);
-    begin_impacts(solved, tick.impacts, direct, impacts);
+    if (has_impacts) begin_impacts(solved, tick.impacts, direct, impacts);
     scheme.predict(solved, motion, set.h);  // v += h a
-    apply_impacts(solved, tick.impacts, motion.drift, direct, impacts);
+    if (has_impacts) apply_impacts(solved, tick.impacts, motion.drift, direct, impacts);
     begin_resting_impacts(solved, tick.resting_impacts, contacts);
     warm_start_joints(solved, joints);
     start_direct(solved, motion, direct);
@@ -69,16 +71,18 @@ void solve_in_turn(SolvedSet& solved, TickLists& tick, SolverWork& work, State& 
     Real settled = settled_speed(solved);  // 0 unless an impact has hit bodies at rest
     propagate_shock(solved, settled, tick, contacts, shock);
     if (settled > 0 && has_deep_overlap(solved)) solve_contacts(solved, contacts);
-    find_joint_changes(solved, joints, gears, direct, motion);
-    for (int turn = 0; turn < direct.turn_count && !motion.drift.joint_changes.empty(); ++turn) {
+    if (has_joint_changes) find_joint_changes(solved, joints, gears, direct, motion);
+    for (int turn = 0; turn < direct.turn_count && has_joint_changes; ++turn) {
       if (turn > 0) solve_direct(solved, motion, direct);
       const std::uint32_t iterations = takes_joints(direct, turn) ? set.joint_iterations : 0;
       solve_drift_velocities(solved, iterations, joints, gears, contacts, motion);
     }
     meet_direct(solved, motion, direct);
     scheme.drift(solved, motion, set.h);  // x += h v
-    finish_impacts(solved, impacts);
-    stop_at_walls(solved, tick.impacts, direct, impacts);
+    if (has_impacts) {
+      finish_impacts(solved, impacts);
+      stop_at_walls(solved, tick.impacts, direct, impacts);
+    }
     end_direct_move(solved, direct);
     take_back_pushes(solved, contacts);
     for (int turn = 0; turn < direct.turn_count; ++turn) {
