@@ -194,6 +194,18 @@ TEST_CASE("what its scene or its inputs throw may run away", "[verifier][soak][l
     twist.values = {mass * speed / Scene{}.settings.dt};
     CHECK(is_found(two_discs(3), {twist}) == (speed < 2));
   }
+  // A force that pushes away as the distance or its cube. k > 0 attracts.
+  for (const double coefficient : {-1e-3, 1e-3})
+    for (const int exponent : {1, 3}) {
+      Scene scene = two_discs(3);
+      engine::Force force;
+      force.kind = engine::ForceKind::central;
+      force.point = {100, 0};
+      force.coefficient = coefficient;
+      force.exponent = exponent;
+      scene.forces = {force};
+      CHECK(is_found(scene, {}) == !(coefficient < 0 && exponent == 3));
+    }
   // A slider without limits goes outwards on a body that nothing can stop from turning.
   for (const bool turns : {false, true})
     for (const bool is_fixed : {false, true}) {
@@ -534,7 +546,7 @@ TEST_CASE("worlds that once broke a rule of physics break none", "[verifier][soa
        {World{20261831, 52}, World{20261831, 820}, World{20261831, 3069}, World{20261831, 3328}, World{20261831, 4809},
         World{20261841, 1084}, World{20261861, 816}, World{20261861, 2446}, World{20261861, 5313},
         World{20261861, 8649}, World{20261861, 9257}, World{20261871, 3217}, World{20261871, 3389},
-        World{20261871, 4815}}) {
+        World{20261871, 4815}, World{20261881, 1365}}) {
     CAPTURE(seed, index);
     const SoakCase world = soak::random_worlds().make(soak::world_seed(seed, index)).soak_case;
     const CaseInputs inputs(world);

@@ -75,16 +75,28 @@ bool has_driven_slide(const Scene& scene, const tool::Bodies& bodies) {
   });
 }
 
-/// Whether a central force that grows without bound towards its centre acts on a body that starts there.
-bool has_singular_start(const Scene& scene, const tool::Bodies& bodies) {
+/// Whether a central force has no bound: it grows without end towards its centre, where a body starts, or it pushes
+/// away faster than the distance grows, which takes a body to infinity within a finite time.
+bool has_boundless_force(const Scene& scene, const tool::Bodies& bodies) {
   constexpr double near_m = 1e-3;
   return std::any_of(scene.forces.begin(), scene.forces.end(), [&](const engine::Force& force) {
-    if (force.kind != engine::ForceKind::central || !(force.exponent < 0)) return false;
-    return std::any_of(bodies.begin(), bodies.end(), [&](const BodyReport& body) {
-      if (body.type != BodyType::dynamic_body || (force.body && *force.body != body.id)) return false;
-      return std::hypot(body.center.x - force.point.x, body.center.y - force.point.y) < near_m;
-    });
+    if (force.kind != engine::ForceKind::central) return false;
+    if (force.coefficient < 0 && force.exponent > 1) return true;
+    return force.exponent < 0 && std::any_of(bodies.begin(), bodies.end(), [&](const BodyReport& body) {
+             if (body.type != BodyType::dynamic_body || (force.body && *force.body != body.id)) return false;
+             return std::hypot(body.center.x - force.point.x, body.center.y - force.point.y) < near_m;
+           });
   });
+}
+
+/// What the rounding of their positions may change in the energy of bodies, J.
+double rounding_of_energy(const Scene& scene, const tool::Bodies& bodies) {
+  const double unit = scene.settings.precision == engine::Precision::f32 ? 0x1p-23 : 0x1p-52;
+  double sum = 0;
+  for (const BodyReport& body : bodies)
+    if (body.type == BodyType::dynamic_body)
+      sum += body.mass * (std::fabs(scene.gravity.x * body.center.x) + std::fabs(scene.gravity.y * body.center.y));
+  return unit * sum;
 }
 
 /// The ways of bodies by the impulses, forces and torques of inputs alone. An input for a heavy body may be given to a
@@ -282,7 +294,7 @@ PhysicsCounts count_physics(const RunContext& context, const BaseRun& base) {
   if (!made) return counts;
   engine::Engine& engine = **made;
   const bool must_stay =
-      counts.is_judged && !has_driven_slide(scene, engine.bodies()) && !has_singular_start(scene, engine.bodies());
+      counts.is_judged && !has_driven_slide(scene, engine.bodies()) && !has_boundless_force(scene, engine.bodies());
   counts.broken[4] = base.joints_failed && must_stay;
   const std::string end = " at tick " + std::to_string(base.tick_count);
   if (counts.broken[4]) counts.texts.push_back("a value is not finite" + end);
@@ -305,7 +317,7 @@ PhysicsCounts count_physics(const RunContext& context, const BaseRun& base) {
     const double with_joints = energy + (law ? law->stored_energy() : 0);
     lowest = std::min(lowest, energy);
     lowest_with_joints = std::min(lowest_with_joints, with_joints);
-    const double allowed = energy_rise_max * kinetic;
+    const double allowed = energy_rise_max * kinetic + rounding_of_energy(scene, bodies);
     if (counts.broken[0] || !is_closed || !(energy > lowest + allowed)) continue;
     if (!(with_joints > lowest_with_joints + allowed)) continue;  // joints give back what stretched them
     counts.broken[0] = true;
