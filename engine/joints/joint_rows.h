@@ -282,13 +282,23 @@ inline Vec2 arm_rotation_rate(Vec2 arm_a, Vec2 arm_b, const JointBodies& pair, R
   return (1 / h) * (versine(h * pair.a.angular_velocity) * arm_a - versine(h * pair.b.angular_velocity) * arm_b);
 }
 
-/// `drift_rate`: change of the error in this substep besides the velocity, m/s. `reaction`: the part of the impulse
-/// that answers rows of the angle. It is as stiff as they are.
+/// Two rigid rows take a share of their impulse back in each substep, since they are soft. A reaction to driven rows is
+/// in that impulse, but is as stiff as those. It is left out as far as that makes the load on the rows smaller, in the
+/// metric of their mobility. `part`: the reaction's product with the impulse; `whole`: with itself.
+inline Real stiff_share(Real part, Real whole) {
+  const Real share = whole > 0 ? part / whole : Real(0);
+  return larger(smaller(share, Real(1)), Real(0));
+}
+
+/// `drift_rate`: change of the error in this substep besides the velocity, m/s. `reaction`: to rows of the angle, N s.
 inline void solve_rigid_point(JointWork& joint, const PointRow& row, JointBodies& pair, const Softness& soft,
                               Vec2 drift_rate = {0, 0}, Vec2 reaction = {0, 0}) {
   if (!moves_something(joint)) return;
   const Vec2 wanted = row.solved((row.velocity(pair) + drift_rate) + soft.bias_rate * row.error);
-  const Vec2 change = -(soft.mass_scale * wanted) - soft.impulse_scale * (joint.impulses.linear - reaction);
+  const Vec2 moved{row.k11 * reaction.x + row.k12 * reaction.y, row.k12 * reaction.x + row.k22 * reaction.y};
+  const Real share = stiff_share(dot(joint.impulses.linear, moved), dot(reaction, moved));
+  const Vec2 load = joint.impulses.linear - share * reaction;
+  const Vec2 change = -(soft.mass_scale * wanted) - soft.impulse_scale * load;
   joint.impulses.linear = joint.impulses.linear + change;
   row.apply(joint, pair, change);
 }

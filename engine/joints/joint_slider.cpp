@@ -82,8 +82,7 @@ void warm_start_prismatic(JointWork& joint, JointBodies& pair) {
   angle_row(joint).apply(joint, pair, joint.impulses.angular);
 }
 
-/// The rows across the axis and about the angle. The parts of their impulses that answer rows along the axis are as
-/// stiff as those.
+/// The rows across the axis and about the angle.
 void solve_line(JointWork& joint, const ConstrainedLineRow& along, JointBodies& pair, Real h, Bias bias) {
   const Slide& slide = along.slide;
   const Softness soft = softness(joint, bias);
@@ -101,9 +100,14 @@ void solve_line(JointWork& joint, const ConstrainedLineRow& along, JointBodies& 
   const Real p = inv_determinant * (angle.mobility * rate - k12 * spin);
   const Real t = inv_determinant * (slide.across.mobility * spin - k12 * rate);
   const Real driven = impulse_along(joint.impulses);
-  const Real across = -(soft.mass_scale * p) - soft.impulse_scale * (joint.impulses.linear.x - along.across * driven);
+  const Real across_reaction = driven * along.across, about_reaction = driven * along.about_angle;
+  const Real moved = slide.across.mobility * across_reaction + k12 * about_reaction;
+  const Real turned = k12 * across_reaction + angle.mobility * about_reaction;
+  const Real share = stiff_share(joint.impulses.linear.x * moved + joint.impulses.angular * turned,
+                                 across_reaction * moved + about_reaction * turned);
+  const Real across = -(soft.mass_scale * p) - soft.impulse_scale * (joint.impulses.linear.x - share * across_reaction);
   const Real about_angle =
-      -(soft.mass_scale * t) - soft.impulse_scale * (joint.impulses.angular - along.about_angle * driven);
+      -(soft.mass_scale * t) - soft.impulse_scale * (joint.impulses.angular - share * about_reaction);
   joint.impulses.linear.x += across;
   joint.impulses.angular += about_angle;
   slide.across.apply(joint, pair, across);

@@ -173,10 +173,18 @@ void solve(const DrivenRevoluteWork& work) {
       vy = (vy + arm_rate_y) + broadcast(soft.bias_rate) * arms.ey;
       const RealxN wanted_x = inv_determinant * (k.k22 * vx - k.k12 * vy);
       const RealxN wanted_y = inv_determinant * (k.k11 * vy - k.k12 * vx);
-      // joint_rows.h, solve_rigid_point: the reaction to the angle's impulses is as stiff as they are.
+      // joint_rows.h, stiff_share
       const RealxN driven = impulse_about(lanes, batch);
-      const RealxN soft_x = joint.linear_x - (works ? driven * joint.row.reaction_x : zero);
-      const RealxN soft_y = joint.linear_y - (works ? driven * joint.row.reaction_y : zero);
+      const RealxN reaction_x = works ? driven * joint.row.reaction_x : zero;
+      const RealxN reaction_y = works ? driven * joint.row.reaction_y : zero;
+      const RealxN moved_x = k.k11 * reaction_x + k.k12 * reaction_y;
+      const RealxN moved_y = k.k12 * reaction_x + k.k22 * reaction_y;
+      const RealxN part = joint.linear_x * moved_x + joint.linear_y * moved_y;
+      const RealxN whole = reaction_x * moved_x + reaction_y * moved_y;
+      const RealxN wanted_share = whole > zero ? part / (whole > zero ? whole : one) : zero;
+      const RealxN share = larger(smaller(wanted_share, one), zero);
+      const RealxN soft_x = joint.linear_x - share * reaction_x;
+      const RealxN soft_y = joint.linear_y - share * reaction_y;
       const RealxN px = -(broadcast(soft.mass_scale) * wanted_x) - broadcast(soft.impulse_scale) * soft_x;
       const RealxN py = -(broadcast(soft.mass_scale) * wanted_y) - broadcast(soft.impulse_scale) * soft_y;
       joint.linear_x += px;
