@@ -18,6 +18,7 @@ using namespace ticktrue;
 using namespace ticktrue::test;
 using engine::BodyReport;
 using engine::Engine;
+using engine::IntegratorKind;
 using engine::pi;
 
 namespace {
