@@ -18,7 +18,7 @@ namespace {
 
 constexpr double compliance_share = 1e-9;  // of a row's own mobility
 constexpr int proximal_count = 3;
-constexpr double left_share = 1e-3;            // of the largest residual; rows that can be met leave 1e-9 and less
+constexpr double left_share = 1e-3;            // of the largest residual: what a step may leave of a normal
 constexpr double envelope_work_max = 1 << 24;  // multiplications of a factorization
 // The work of a step, in contacts solved once.
 constexpr std::uint64_t work_of_row = 70;

@@ -544,10 +544,11 @@ std::vector<double> times_of_clusters(const TickView& view, const std::vector<co
   };
   const auto tie = [&](std::uint32_t a, std::uint32_t b) { clusters.tie(a, b); };
   tie_joined(view, tie);
+  tie_touching(view, tie);
   for (const ContactReport& contact : view.contacts) {
     const std::uint32_t a = view.index.at(contact.body_a), b = view.index.at(contact.body_b);
     const bool presses = contact.normal_force[0] > 0 || (contact.point_count == 2 && contact.normal_force[1] > 0);
-    if ((overlaps(contact) || presses) && is_dynamic(view.bodies[a]) && is_dynamic(view.bodies[b])) tie(a, b);
+    if (presses && is_dynamic(view.bodies[a]) && is_dynamic(view.bodies[b])) tie(a, b);
   }
   std::vector<double> ways(view.bodies.size()), longest(view.bodies.size()), times;
   std::vector<const Offence*> one(view.bodies.size());  // [cluster]
