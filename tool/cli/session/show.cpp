@@ -151,6 +151,9 @@ void print_notes(std::uint64_t tick, const std::vector<replay::Note>& notes) {
 
 /// Marks or notes of each tick, or both.
 int list_bound(verifier::TraceSource& reader, const ShowOptions& options, const TickRange& range) {
+  const bool has_marks = reader.setup().has(replay::Feature::marks);
+  if (options.marks && !has_marks) print_note(options.file + ": has no marks");
+  if (!options.notes && !has_marks) return exit_ok;
   while (output_is_open()) {
     const replay::TraceReader::Item& item = reader.next();
     if (std::holds_alternative<std::monostate>(item)) break;
@@ -158,7 +161,7 @@ int list_bound(verifier::TraceSource& reader, const ShowOptions& options, const 
     if (record == nullptr) continue;
     if (record->tick > range.last) return exit_ok;
     if (!range.contains(record->tick)) continue;
-    if (options.marks) print_marks(*record);
+    if (options.marks && has_marks) print_marks(*record);
     if (options.notes) print_notes(record->tick, record->notes);
   }
   if (!output_is_open()) return exit_ok;
