@@ -412,6 +412,10 @@ TICKTRUE_INLINE bool bounce_lanes(const ContactWork& work, std::size_t i, const 
     const V wanted = old_impulse - lanes.load(point.normal_mass) * (velocity + restitution * approach);
     const V impulse = select(hits, larger(wanted, zero), old_impulse);
     lanes.store(point.normal_impulse, impulse);
+    if constexpr (has(features, contact_feature::friction)) {  // the next tick starts within the cone
+      const V limit = lanes.load(batch.friction) * impulse;
+      lanes.store(point.tangent_impulse, larger(zero - limit, smaller(limit, lanes.load(point.tangent_impulse))));
+    }
     const V change = impulse - old_impulse;
     normal_velocity += inv_mass * change;
     pair.a.at[2] -= (pair.inv_inertia_a * arm_a) * change;

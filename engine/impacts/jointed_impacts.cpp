@@ -305,7 +305,12 @@ void relax_jointed_contacts(const SolvedSet& solved, DirectWorkspace& direct, Co
   store_velocities(solved, work);
   for (const ImpactPoint& point : work.points) {
     lanes_of(point).normal_impulse.at[point.lane] = static_cast<Real>(point.normal.impulse);
-    lanes_of(point).tangent_impulse.at[point.lane] = static_cast<Real>(point.tangent.impulse);
+    // solve_point lowers no friction, since that gives energy back. The next substep starts within the cone.
+    const double limit = point.friction * point.normal.impulse;
+    const double tangent = point.tangent.impulse;
+    lanes_of(point).tangent_impulse.at[point.lane] = static_cast<Real>(tangent > limit    ? limit
+                                                                       : tangent < -limit ? -limit
+                                                                                          : tangent);
   }
   factor_again(solved, direct, work);
 }

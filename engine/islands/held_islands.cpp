@@ -69,10 +69,10 @@ bool is_conveyor(const Model& model, const TickLists& tick, const ContactPair& p
          model.shapes[tick.proxies[pair.proxy_b].shape].tangent_speed != 0;
 }
 
-/// Resets the time of bodies that a pointer, a joint, a spring, a conveyor or a moving kinematic body may move.
+/// Resets the time of bodies that a pointer, a joint, a spring, a conveyor, or a moving or new immovable body may move.
 void disturb(const Model& model, State& state, const TickLists& tick, const IslandWork& work) {
   const auto stir = [&](std::uint32_t row) { state.loads[row].calm = 0; };
-  const auto is_moved_by = [&](std::uint32_t row) { return !is_dynamic(work, row) && is_moving(state.bodies[row]); };
+  const auto is_moved_by = [&](std::uint32_t row) { return disturbs(state, tick, work, row); };
   for (const PointerRow& pointer : state.pointers) stir(row_of(state, pointer.body));
   for (const JointRow& joint : state.joints) {
     bool stirs = drives_slowly(model, state, work, joint);

@@ -112,26 +112,23 @@ bool any_body(const TickLists& tick, std::size_t count, Predicate predicate) {
   return any.load(std::memory_order_relaxed);
 }
 
-bool disturbs(const State& state, const IslandWork& work, std::uint32_t row) {
-  return work.body_types[row] == BodyType::kinematic_body && is_moving(state.bodies[row]);
-}
-
-/// Fills work.body_types. True if something kinematic moves.
+/// Fills work.body_types. True if some body disturbs what it touches.
 bool find_types(const Model& model, const State& state, TickLists& tick, IslandWork& work) {
   work.body_types.resize(state.bodies.size());
   return any_body(tick, state.bodies.size(), [&](std::uint32_t row) {
     work.body_types[row] = type_of(model, state, row);
-    return disturbs(state, work, row);
+    return disturbs(state, tick, work, row);
   });
 }
 
-/// Resets the idle timers of bodies that a moving kinematic body touches, or holds by a joint or spring.
+/// Resets the idle timers of bodies that a moving or new immovable body touches, may hit in this tick, or holds by a
+/// joint or spring.
 void disturb(const Model& model, State& state, TickLists& tick, IslandWork& work) {
   const std::size_t count = state.bodies.size();
   const auto meet = [&](std::uint32_t a, std::uint32_t b) {
     Real none = 0;  // several contacts of a body may write at once
-    if (disturbs(state, work, b)) __atomic_store(&state.sleep[a].calm, &none, __ATOMIC_RELAXED);
-    if (disturbs(state, work, a)) __atomic_store(&state.sleep[b].calm, &none, __ATOMIC_RELAXED);
+    if (disturbs(state, tick, work, b)) __atomic_store(&state.sleep[a].calm, &none, __ATOMIC_RELAXED);
+    if (disturbs(state, tick, work, a)) __atomic_store(&state.sleep[b].calm, &none, __ATOMIC_RELAXED);
   };
   const std::size_t contact_count = tick.contact_pairs.size();
   tick.parallel.for_chunks(contact_count, tick.parallel.chunk_size(contact_count, contacts_per_chunk_least),
@@ -139,6 +136,7 @@ void disturb(const Model& model, State& state, TickLists& tick, IslandWork& work
                              for (std::size_t i = chunk.begin; i < chunk.end; ++i)
                                meet(tick.contact_pairs[i].body_a, tick.contact_pairs[i].body_b);
                            });
+  for (const ImpactPair& pair : tick.impacts) meet(pair.body_a, pair.body_b);
   for_each_joined_pair(model, state, meet);
   for (const SpringForce& spring : model.springs) {
     if (spring.other == no_reference) continue;

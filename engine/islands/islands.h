@@ -108,6 +108,13 @@ inline bool is_moving(const BodyRow& body) {
   return body.velocity.x != 0 || body.velocity.y != 0 || body.angular_velocity != 0;
 }
 
+/// Whether an immovable body may move what it touches: it moves, or was made in this tick.
+/// Requires: work.body_types is of this tick.
+inline bool disturbs(const State& state, const TickLists& tick, const IslandWork& work, std::uint32_t row) {
+  const BodyRow& body = state.bodies[row];
+  return !is_dynamic(work, row) && (is_moving(body) || body.id >= tick.first_new_id);
+}
+
 inline std::uint32_t row_of(const State& state, std::uint32_t id) {
   return static_cast<std::uint32_t>(state.find_body(id));
 }

@@ -308,13 +308,16 @@ inline void solve_rigid_point(JointWork& joint, const PointRow& row, JointBodies
 struct ConstrainedAngleRow {
   Real mobility;
   Vec2 reaction;  // of the point constraint, per angular impulse, 1/m
-  PointRow point;
+  Real torque_a;  // of the impulse and its reaction about A's centre of mass, per angular impulse
+  Real torque_b;
 
   Real speed(const JointBodies& pair) const { return pair.b.angular_velocity - pair.a.angular_velocity; }
   void apply(JointWork& joint, JointBodies& pair, Real impulse) const {
-    angle_row(joint).apply(joint, pair, impulse);
     const Vec2 p = impulse * reaction;
-    point.apply(joint, pair, p);
+    pair.a.velocity = pair.a.velocity - joint.inv_mass_a * p;
+    pair.a.angular_velocity -= joint.inv_inertia_a * torque_a * impulse;
+    pair.b.velocity = pair.b.velocity + joint.inv_mass_b * p;
+    pair.b.angular_velocity += joint.inv_inertia_b * torque_b * impulse;
     joint.impulses.linear = joint.impulses.linear + p;
   }
 };
@@ -327,17 +330,22 @@ inline Vec2 angle_coupling(const JointWork& joint, const PointRow& row) {
 
 /// With m, a, b the inverse masses (summed) and inertias: the 3 x 3 determinant of point and angle over the 2 x 2 one
 /// of the point, both as sums of positive terms (Cauchy-Binet), divided by m: (m (a + b) + a b |r_a - r_b|^2) / (m + a
-/// |r_a|^2 + b |r_b|^2 + a b (r_a x r_b)^2 / m).
+/// |r_a|^2 + b |r_b|^2 + a b (r_a x r_b)^2 / m). The reaction and the torques are Cramer's rule in the same form: with
+/// a far anchor the torque of the reaction cancels that of the impulse almost whole, and each alone rounds by more than
+/// what is left.
 inline ConstrainedAngleRow constrained_angle_row(const JointWork& joint, const PointRow& point) {
   const Real m = joint.inv_mass_a + joint.inv_mass_b;
   const Real a = joint.inv_inertia_a;
   const Real b = joint.inv_inertia_b;
-  if (m <= 0 || a + b <= 0) return {0, {0, 0}, point};
+  if (m <= 0 || a + b <= 0) return {0, {0, 0}, 0, 0};
+  const Vec2 difference = point.arm_a - point.arm_b;
   const Real area = cross(point.arm_a, point.arm_b);
-  const Real above = m * (a + b) + a * b * length_squared(point.arm_a - point.arm_b);
+  const Real above = m * (a + b) + a * b * length_squared(difference);
   const Real below =
       m + (a * length_squared(point.arm_a) + b * length_squared(point.arm_b)) + a * area * (b * area / m);
-  return {above / below, -point.solved(angle_coupling(joint, point)), point};
+  const Vec2 reaction = (a * area * (b / m)) * difference - angle_coupling(joint, point);
+  return {above / below, (1 / below) * reaction, (m - b * dot(point.arm_b, difference)) / below,
+          (m + a * dot(point.arm_a, difference)) / below};
 }
 
 /// The principal axes of a point's mobility: an impulse along an axis moves the point along this axis alone.
@@ -357,13 +365,16 @@ struct ConstrainedLineRow {
   Real mobility;
   Real across;  // reactions per impulse
   Real about_angle;
+  Real turn;  // of both bodies, per impulse
   const Slide& slide;
 
   Real speed(const JointBodies& pair) const { return slide.along.speed(pair); }
   void apply(JointWork& joint, JointBodies& pair, Real impulse) const {
-    slide.along.apply(joint, pair, impulse);
-    slide.across.apply(joint, pair, across * impulse);
-    angle_row(joint).apply(joint, pair, about_angle * impulse);
+    const Vec2 p = impulse * slide.along.axis + (across * impulse) * slide.across.axis;
+    pair.a.velocity = pair.a.velocity - joint.inv_mass_a * p;
+    pair.a.angular_velocity += turn * impulse;
+    pair.b.velocity = pair.b.velocity + joint.inv_mass_b * p;
+    pair.b.angular_velocity += turn * impulse;
     joint.impulses.linear.x += across * impulse;
     joint.impulses.angular += about_angle * impulse;
   }
@@ -374,25 +385,30 @@ inline Real slide_coupling(const JointWork& joint, const LineRow& row) {
   return joint.inv_inertia_a * row.lever_a + joint.inv_inertia_b * row.lever_b;
 }
 
+/// The determinant of the rows across the axis and about the angle. In this form no digits cancel with long arms.
+inline Real slide_determinant(const JointWork& joint, const LineRow& across) {
+  const Real lever = across.lever_a - across.lever_b;
+  return (joint.inv_mass_a + joint.inv_mass_b) * (joint.inv_inertia_a + joint.inv_inertia_b) +
+         joint.inv_inertia_a * lever * (joint.inv_inertia_b * lever);
+}
+
 /// With m the summed inverse mass, a, b the inverse inertias, r from A's to B's centre of mass, s its part along the
 /// axis: the energy of a translation along the axis and a common rotation gives m (a b r^2 + m (a + b)) / (a b s^2 + m
-/// (a + b)), all terms positive. Requires: m > 0.
+/// (a + b)), all terms positive. The common rotation is found as a whole, as the torques of ConstrainedAngleRow are.
+/// Requires: m > 0.
 inline ConstrainedLineRow constrained_line_row(const JointWork& joint, const Slide& slide) {
   const Real m = joint.inv_mass_a + joint.inv_mass_b;
   const Real a = joint.inv_inertia_a;
   const Real b = joint.inv_inertia_b;
-  if (a + b <= 0) return {m, 0, 0, slide};
+  if (a + b <= 0) return {m, 0, 0, 0, slide};
   const Real r_along = slide.across.lever_a - slide.across.lever_b;  // cross(r, normal) = dot(r, axis)
   const Real r_across = slide.along.lever_b - slide.along.lever_a;
-  const Real mass_term = m * (a + b);
-  const Real along = a * b * r_along * r_along;
-  const Real k12 = slide_coupling(joint, slide.across);
-  const Real k13 = a * slide.across.lever_a * slide.along.lever_a + b * slide.across.lever_b * slide.along.lever_b;
-  const Real k23 = slide_coupling(joint, slide.along);
-  const Real inv_determinant = 1 / (slide.across.mobility * (a + b) - k12 * k12);
-  return {m * ((along + a * b * r_across * r_across + mass_term) / (along + mass_term)),
-          inv_determinant * (k12 * k23 - (a + b) * k13), inv_determinant * (k12 * k13 - slide.across.mobility * k23),
-          slide};
+  const Real determinant = slide_determinant(joint, slide.across);
+  const Real across = a * r_along * (b * r_across) / determinant;
+  const Real of_a = a * (slide.along.lever_a + across * slide.across.lever_a);
+  const Real of_b = b * (slide.along.lever_b + across * slide.across.lever_b);
+  return {m * ((determinant + a * b * r_across * r_across) / determinant), across, -(of_a + of_b) / (a + b),
+          a * b * m * r_across / determinant, slide};
 }
 
 // ---- Runs of joints ----

@@ -96,7 +96,7 @@ void solve_line(JointWork& joint, const ConstrainedLineRow& along, JointBodies& 
   const Real k12 = slide_coupling(joint, slide.across);
   const Real rate = (slide.across.speed(pair) + lead) + soft.bias_rate * slide.deviation;
   const Real spin = angle.speed(pair) + soft.bias_rate * relative_angle(joint, pair);
-  const Real inv_determinant = 1 / (slide.across.mobility * angle.mobility - k12 * k12);
+  const Real inv_determinant = 1 / slide_determinant(joint, slide.across);
   const Real p = inv_determinant * (angle.mobility * rate - k12 * spin);
   const Real t = inv_determinant * (slide.across.mobility * spin - k12 * rate);
   const Real driven = impulse_along(joint.impulses);

@@ -5,6 +5,7 @@
 namespace ticktrue::engine::TICKTRUE_PRECISION {
 
 void begin_tick(TickLists& tick) {
+  tick.first_new_id = no_reference;
   tick.force.clear();
   tick.torque.clear();
   tick.proxies = {};

@@ -401,6 +401,64 @@ TEST_CASE("bodies that are being pushed apart do not sleep", "[engine][sleep]") 
   }
 }
 
+TEST_CASE("what an immovable new body overlaps wakes and is pushed out", "[engine][sleep]") {
+  for (const Precision precision : {Precision::f32, Precision::f64})
+    for (const BodyType type : {BodyType::static_body, BodyType::kinematic_body})
+      for (const double after_s : {0.0, 0.5}) {
+        CAPTURE(precision, type, after_s);
+        Scene scene = empty_scene(precision);
+        scene.settings.sleep.emplace();
+        scene.settings.sleep->after_s = after_s;
+        scene.bodies = {ground(), unit_box({0, 0.5}), unit_box({9, 0.5})};
+        scene.inputs = {engine::InputKind::spawn};
+        scene.prototypes = {body_of(disc_shape(0.5), {0, 0}, type)};
+        scene.prototypes[0].name = "disc";
+        const auto engine = make_engine_or_fail(scene);
+        const auto again = make_engine_or_fail(scene);
+        run_ticks(*engine, 120);
+        CHECK(asleep_count(*engine) == 2);
+        REQUIRE(again->load(image_of(*engine)));
+        engine::Input spawn;
+        spawn.kind = engine::InputKind::spawn;
+        spawn.values = {0.75, 0.5};
+        Bytes bytes;
+        engine::encode_inputs({spawn}, bytes);
+        for (engine::Engine* each : {engine.get(), again.get()})
+          REQUIRE(each->step({scene.settings.dt, bytes}, nullptr));
+        CHECK(asleep_count(*engine) == 1);  // the far box sleeps on
+        const auto after_spawn = make_engine_or_fail(scene);
+        REQUIRE(after_spawn->load(image_of(*engine)));
+        for (engine::Engine* each : {engine.get(), again.get(), after_spawn.get()}) run_ticks(*each, 240);
+        CHECK(engine->bodies()[3].center.x - engine->bodies()[1].center.x > 0.98);
+        CHECK(asleep_count(*engine) == 2);
+        CHECK(root_hash(again->state()) == root_hash(engine->state()));
+        CHECK(root_hash(after_spawn->state()) == root_hash(engine->state()));
+      }
+}
+
+TEST_CASE("a fast kinematic body hits a body that sleeps", "[engine][sleep]") {
+  for (const Precision precision : {Precision::f32, Precision::f64}) {
+    CAPTURE(precision);
+    Scene scene = empty_scene(precision);
+    scene.settings.sleep.emplace();
+    scene.bodies = {ground(), body_of(disc_shape(0.5), {0, 0.5}),
+                    body_of(disc_shape(0.5), {2, 0.5}, BodyType::kinematic_body)};
+    scene.inputs = {engine::InputKind::set_velocity};
+    const auto engine = make_engine_or_fail(scene);
+    run_ticks(*engine, 120);
+    CHECK(asleep_count(*engine) == 1);
+    engine::Input input;
+    input.kind = engine::InputKind::set_velocity;
+    input.body = 2;
+    input.values = {-150};  // past the sleeping disc in one tick
+    Bytes bytes;
+    engine::encode_inputs({input}, bytes);
+    REQUIRE(engine->step({scene.settings.dt, bytes}, nullptr));
+    CHECK(asleep_count(*engine) == 0);
+    CHECK(engine->bodies()[2].center.x - engine->bodies()[1].center.x > 0.98);
+  }
+}
+
 TEST_CASE("where bodies sleep after no time at all, what moves does not sleep", "[engine][sleep]") {
   Scene scene = empty_scene(Precision::f32);
   scene.settings.sleep.emplace();

@@ -208,6 +208,24 @@ TEST_CASE("what disturbs a held tower moves it in the same tick or the next", "[
   }
 }
 
+TEST_CASE("an immovable new body pushes a held body out", "[engine][islands][held]") {
+  for (const Precision precision : {Precision::f32, Precision::f64})
+    for (const BodyType type : {BodyType::static_body, BodyType::kinematic_body}) {
+      CAPTURE(precision, type);
+      Scene scene = measured(empty_scene(precision));
+      scene.bodies = {ground(), body_of(disc_shape(0.5), {0, 0.5})};
+      scene.inputs = {InputKind::spawn};
+      scene.prototypes = {body_of(disc_shape(0.5), {0, 0}, type)};
+      scene.prototypes[0].name = "disc";
+      const auto engine = make_engine_or_fail(scene);
+      run_ticks(*engine, two_seconds);
+      REQUIRE(all_stand_still(*engine));
+      step_with(*engine, {input_to(InputKind::spawn, 0, 0.75, 0.5)});
+      run_ticks(*engine, two_seconds);
+      CHECK(engine->bodies()[2].center.x - engine->bodies()[1].center.x > 0.98);
+    }
+}
+
 TEST_CASE("what moves slowly on purpose is never held", "[engine][islands][held]") {
   constexpr double slow = 5e-4;  // m/s
   Scene lift = measured(empty_scene(Precision::f32));

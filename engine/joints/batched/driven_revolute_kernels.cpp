@@ -37,6 +37,7 @@ TICKTRUE_INLINE RealxN relative_angle(const RealxN& ac, const RealxN& as, const 
 struct AngleRow {
   RealxN mobility;
   RealxN reaction_x, reaction_y;  // 1/m
+  RealxN torque_a, torque_b;      // of the impulse and its reaction, per impulse
   MaskxN works;
 };
 
@@ -52,14 +53,12 @@ struct DrivenRevolute {
     const RealxN px = impulse * row.reaction_x;
     const RealxN py = impulse * row.reaction_y;
     const auto set = [&](RealxN& value, RealxN changed) { value = where ? changed : value; };
-    const RealxN wa = pair.a.at[2] - pair.inv_inertia_a * impulse;
-    const RealxN wb = pair.b.at[2] + pair.inv_inertia_b * impulse;
     set(pair.a.at[0], pair.a.at[0] - pair.inv_mass_a * px);
     set(pair.a.at[1], pair.a.at[1] - pair.inv_mass_a * py);
-    set(pair.a.at[2], wa - pair.inv_inertia_a * (arms.ax * py - arms.ay * px));
+    set(pair.a.at[2], pair.a.at[2] - pair.inv_inertia_a * row.torque_a * impulse);
     set(pair.b.at[0], pair.b.at[0] + pair.inv_mass_b * px);
     set(pair.b.at[1], pair.b.at[1] + pair.inv_mass_b * py);
-    set(pair.b.at[2], wb + pair.inv_inertia_b * (arms.bx * py - arms.by * px));
+    set(pair.b.at[2], pair.b.at[2] + pair.inv_inertia_b * row.torque_b * impulse);
     set(linear_x, linear_x + px);
     set(linear_y, linear_y + py);
   }
@@ -141,20 +140,23 @@ void solve(const DrivenRevoluteWork& work) {
       const RealxN inv_determinant = one / (k.determinant > zero ? k.determinant : one);
       const RealxN length2_a = arms.ax * arms.ax + arms.ay * arms.ay;
       const RealxN length2_b = arms.bx * arms.bx + arms.by * arms.by;
-      const RealxN arm_difference_x = arms.ax - arms.bx;
-      const RealxN arm_difference_y = arms.ay - arms.by;
+      const RealxN difference_x = arms.ax - arms.bx;
+      const RealxN difference_y = arms.ay - arms.by;
       const MaskxN works = ~((m <= zero) | (ia + ib <= zero));
       const RealxN some_m = works ? m : one;
-      const RealxN over =
-          some_m * (ia + ib) + ia * ib * (arm_difference_x * arm_difference_x + arm_difference_y * arm_difference_y);
+      const RealxN over = some_m * (ia + ib) + ia * ib * (difference_x * difference_x + difference_y * difference_y);
       const RealxN under = some_m + (ia * length2_a + ib * length2_b) + ia * k.area * (ib * k.area / some_m);
       const RealxN coupling_x = -(ia * arms.ay + ib * arms.by);
       const RealxN coupling_y = ia * arms.ax + ib * arms.bx;
       joint.row.mobility = works ? over / under : one;
       joint.row.works = works & ~(joint.row.mobility <= zero);
       joint.row.mobility = joint.row.works ? joint.row.mobility : one;
-      joint.row.reaction_x = -(inv_determinant * (k.k22 * coupling_x - k.k12 * coupling_y));
-      joint.row.reaction_y = -(inv_determinant * (k.k11 * coupling_y - k.k12 * coupling_x));
+      const RealxN inv_under = one / under;
+      const RealxN leaned = ia * k.area * (ib / some_m);
+      joint.row.reaction_x = inv_under * (leaned * difference_x - coupling_x);
+      joint.row.reaction_y = inv_under * (leaned * difference_y - coupling_y);
+      joint.row.torque_a = (some_m - ib * (arms.bx * difference_x + arms.by * difference_y)) / under;
+      joint.row.torque_b = (some_m + ia * (arms.ax * difference_x + arms.ay * difference_y)) / under;
       joint.linear_x = lanes.load(batch.point.impulse_x);
       joint.linear_y = lanes.load(batch.point.impulse_y);
 

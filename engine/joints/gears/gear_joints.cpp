@@ -121,12 +121,13 @@ struct GearPart {
 
 GearPart turning_part(const JointWork& part, const JointBodies& pair) {
   GearPart out{{{0, 0}, -1}, {{0, 0}, 1}, {{0, 0}, -1}, {{0, 0}, 1}, {0, 0}, {0, 0}};
-  const ConstrainedAngleRow row = constrained_angle_row(part, point_row(part, pair, ActsAt::middle));
+  const PointRow point = point_row(part, pair, ActsAt::middle);
+  const ConstrainedAngleRow row = constrained_angle_row(part, point);
   if (!(row.mobility > 0)) return out;
-  out.push_a = {-row.reaction, -1 - cross(row.point.arm_a, row.reaction)};
-  out.push_b = {row.reaction, 1 + cross(row.point.arm_b, row.reaction)};
-  out.arm_a = row.point.arm_a;
-  out.arm_b = row.point.arm_b;
+  out.push_a = {-row.reaction, -row.torque_a};
+  out.push_b = {row.reaction, row.torque_b};
+  out.arm_a = point.arm_a;
+  out.arm_b = point.arm_b;
   return out;
 }
 

@@ -36,7 +36,7 @@ constexpr double joint_hertz_h = 0.25;
 constexpr double joint_damping_ratio = 5;
 constexpr double push_speed = 3;            // m/s, at which contacts part at most
 constexpr double direct_push_rate = 48;     // 1/s, of the gap of a direct joint
-constexpr double direct_push_speed = 0.1;   // m/s, with the energy of all bodies at that speed
+constexpr double direct_push_speed = 0.1;   // m/s: a push has at most the energy of all bodies at that speed
 constexpr double short_pulley_side = 0.01;  // of its length; the engine leaves out a side of half that length
 
 // Of this rule.
@@ -167,6 +167,11 @@ struct TickView {
   double slack_of(std::uint32_t a, std::uint32_t b) const {
     return size_share * std::min(extents[a].size, extents[b].size) + epsilon_count * rounding_of(a, b);
   }
+  /// The error below which the scene asks for no more substeps, m.
+  double target_error_of(std::uint32_t a, std::uint32_t b) const {
+    const auto& automatic = scene.settings.auto_substeps;
+    return automatic ? automatic->target_error * std::min(extents[a].size, extents[b].size) : 0;
+  }
   /// What bodies that sleep may be off by, m: what was pushed out no faster than the scene takes for rest.
   double asleep_slack_of(std::uint32_t a, std::uint32_t b, double bias_rate) const {
     const int count = is_asleep[a] + is_asleep[b];
@@ -206,6 +211,13 @@ double angle_off(const Joint& joint, const BodyReport& a, const BodyReport& b) {
   return is_held ? std::fabs(std::remainder(b.angle - a.angle - joint.reference_angle, 2 * engine::pi)) : 0;
 }
 
+/// Whether a pulley has a side without a direction, or is asked for one: what an immovable end leaves of the rope.
+bool has_short_side(const Joint& joint, double side_a, double side_b, bool a_moves, bool b_moves) {
+  if (!a_moves) side_b = std::min(side_b, (joint.length - side_a) / joint.ratio);
+  if (!b_moves) side_a = std::min(side_a, joint.length - joint.ratio * side_b);
+  return std::min(side_a, side_b) < short_pulley_side * joint.length;
+}
+
 /// Joints that are off, the speed at which joints pull each body, and the energy that joints store.
 std::vector<Offence> joint_offences(const TickView& view, std::vector<double>& pulled, double& stored) {
   std::vector<Offence> list;
@@ -242,13 +254,14 @@ std::vector<Offence> joint_offences(const TickView& view, std::vector<double>& p
     if (joint.kind == JointKind::pulley) {
       const double side_a = std::hypot(places[0].x - joint.ground_anchor_a.x, places[0].y - joint.ground_anchor_a.y);
       const double side_b = std::hypot(places[1].x - joint.ground_anchor_b.x, places[1].y - joint.ground_anchor_b.y);
-      if (std::min(side_a, side_b) < short_pulley_side * joint.length) continue;
+      if (has_short_side(joint, side_a, side_b, is_dynamic(*pair[0]), is_dynamic(*pair[1]))) continue;
       mobility *= 1 + joint.ratio * joint.ratio;
     }
     const double force = std::hypot(view.joints.value(i, "linear_force", 0), view.joints.value(i, "linear_force", 1));
     const double torque = std::fabs(view.joints.value(i, "torque"));
     const double rate = std::min(law.bias_rate, is_direct ? direct_push_rate : infinite);
-    const double least = view.slack_of(ends[0], ends[1]) + view.asleep_slack_of(ends[0], ends[1], rate);
+    const double slack = std::max(view.slack_of(ends[0], ends[1]), view.target_error_of(ends[0], ends[1]));
+    const double least = slack + view.asleep_slack_of(ends[0], ends[1], rate);
     const double tolerance = least + turned_away;
     if (mobility > 0) stored += 0.5 * law.omega * law.omega / mobility * gap * gap;
     Offence offence;
@@ -262,8 +275,11 @@ std::vector<Offence> joint_offences(const TickView& view, std::vector<double>& p
     offence.breach.error = gap;
     offence.breach.tolerance = tolerance;
     offence.breach.yielded = load_factor * (force * mobility + torque * mobility_of_torque) / (law.omega * law.omega);
-    // A push with the energy of both bodies at that speed parts two equal ones at twice the speed.
-    const double direct_speed = direct_push_speed * (is_dynamic(*pair[0]) && is_dynamic(*pair[1]) ? 2 : 1);
+    // With m_a v_a^2 + m_b v_b^2 = (m_a + m_b) c^2 a row changes by v_a + r v_b = c sqrt((m_a + m_b) (1 / m_a + r^2 /
+    // m_b)) at best, which is c (1 + r) or more for any masses. r = 1 but for pulleys.
+    const double share_b = joint.kind == JointKind::pulley ? joint.ratio : 1;
+    const double direct_speed =
+        direct_push_speed * ((is_dynamic(*pair[0]) ? 1 : 0) + (is_dynamic(*pair[1]) ? share_b : 0));
     const double speed_max = is_direct ? direct_speed : push_speed;
     // What turns may stop. Then the slack alone is allowed.
     offence.settling = settling_time(gap, least, rate, speed_max) / view.push_share;
@@ -277,6 +293,18 @@ std::vector<Offence> joint_offences(const TickView& view, std::vector<double>& p
   return list;
 }
 
+bool has_chain(const BodyReport& body) {
+  return std::any_of(body.shapes->begin(), body.shapes->end(),
+                     [](const Shape& shape) { return shape.kind == engine::ShapeKind::chain; });
+}
+
+/// The tangent of the angle between two faces that touch in two points; 0 with one point.
+double tilt_of(const ContactReport& contact) {
+  if (contact.point_count < 2) return 0;
+  const double width = std::hypot(contact.point[1].x - contact.point[0].x, contact.point[1].y - contact.point[0].y);
+  return std::min(1.0, std::fabs(contact.separation[1] - contact.separation[0]) / width);
+}
+
 /// Overlap that arises within a tick because a contact's normal and points stay: by sliding, and by rolling.
 double moved_within(const TickView& view, const ContactReport& contact, int point, std::uint32_t a, std::uint32_t b,
                     double bias_rate) {
@@ -285,10 +313,14 @@ double moved_within(const TickView& view, const ContactReport& contact, int poin
   const double slid = std::fabs((vb.x - va.x) * contact.normal.y - (vb.y - va.y) * contact.normal.x) * view.dt;
   const double turn =
       (std::fabs(view.bodies[a].angular_velocity) + std::fabs(view.bodies[b].angular_velocity)) * view.dt;
-  // Each tick adds the versine of the turn, and takes a share of what is there.
-  const double rolled =
-      0.5 * turn * turn * std::min(view.extents[a].reach, view.extents[b].reach) / (1 - std::exp(-bias_rate * view.dt));
-  return slid + std::min(rolled, 0.5 * std::min(view.extents[a].size, view.extents[b].size));
+  // Each tick adds the versine of the turn, and takes a share of what is there. An edge of a chain keeps its own normal
+  // to its ends: what slides over an end at an angle is deeper there in each tick.
+  const double taken = 1 - std::exp(-bias_rate * view.dt);
+  const double most = 0.5 * std::min(view.extents[a].size, view.extents[b].size);
+  const double rolled = 0.5 * turn * turn * std::min(view.extents[a].reach, view.extents[b].reach) / taken;
+  const bool keeps_normal = has_chain(view.bodies[a]) || has_chain(view.bodies[b]);
+  const double at_end = keeps_normal ? slid * tilt_of(contact) / taken : 0;
+  return std::max(slid, std::min(at_end, most)) + std::min(rolled, most);
 }
 
 /// Pairs of bodies that a weld holds in place against each other, and that collide all the same.
@@ -302,11 +334,15 @@ std::set<std::pair<std::uint32_t, std::uint32_t>> find_welded(const TickView& vi
   return welded;
 }
 
-/// How deep a point lies inside of a shape, m; at most 0 outside.
-double depth_inside(const Shape& shape, const Point& at) {
-  if (engine::is_line(shape.kind)) return 0;
+/// A point in a shape.
+struct PinDepth {
+  double least = 0;   // m, how deep it lies inside; at most 0 outside
+  double corner = 0;  // m, to the farther corner of the nearest edge
+};
+PinDepth depth_inside(const Shape& shape, const Point& at) {
+  if (engine::is_line(shape.kind)) return {};
   const std::vector<Point> core = engine::core_of(shape);
-  double inside = infinite, outside = infinite;
+  double inside = infinite, outside = infinite, corner = 0;
   for (std::size_t i = 0; i < core.size(); ++i) {
     const Point& p = core[i];
     const Point& q = core[(i + 1) % core.size()];
@@ -315,12 +351,17 @@ double depth_inside(const Shape& shape, const Point& at) {
     const double along = length > 0 ? ((at.x - p.x) * edge.x + (at.y - p.y) * edge.y) / (length * length) : 0;
     const double share = std::clamp(along, 0.0, 1.0);
     outside = std::min(outside, std::hypot(at.x - p.x - share * edge.x, at.y - p.y - share * edge.y));
-    if (length > 0) inside = std::min(inside, (edge.x * (at.y - p.y) - edge.y * (at.x - p.x)) / length);
+    const double depth = length > 0 ? (edge.x * (at.y - p.y) - edge.y * (at.x - p.x)) / length : infinite;
+    if (depth >= inside) continue;
+    inside = depth;
+    corner = std::max(std::hypot(at.x - p.x, at.y - p.y), std::hypot(at.x - q.x, at.y - q.y));
   }
-  return shape.radius + (core.size() >= 3 && inside > 0 ? inside : -outside);
+  if (core.size() >= 3 && inside > 0) return {shape.radius + inside, shape.radius + corner};
+  return {shape.radius - outside, shape.radius - outside};
 }
 
-/// Overlaps of bodies that the scene asks for, m: a pin holds a point that lies inside of both.
+/// Overlaps of bodies that the scene asks for, m: a pin holds a point that lies inside of both. Contacts push the two
+/// points of an edge alike. Around a pin that turns bodies until a corner of one lies deep in an edge of the other.
 std::map<std::pair<std::uint32_t, std::uint32_t>, double> find_pinned(const TickView& view) {
   std::map<std::pair<std::uint32_t, std::uint32_t>, double> pinned;
   for (std::uint32_t i = 0; i < view.joints.row_count(); ++i) {
@@ -328,14 +369,15 @@ std::map<std::pair<std::uint32_t, std::uint32_t>, double> find_pinned(const Tick
     const bool is_pin = joint.kind == JointKind::revolute || (joint.kind == JointKind::weld && !joint.linear_spring);
     if (!is_pin || !joint.collide_connected) continue;
     const auto depth = [&](std::uint32_t id, const Point& anchor) {
-      double most = 0;
+      PinDepth most;
       for (const Shape& shape : *view.bodies[view.index.at(id)].shapes)
-        most = std::max(most, depth_inside(shape, anchor));
+        if (const PinDepth of_shape = depth_inside(shape, anchor); of_shape.least > most.least) most = of_shape;
       return most;
     };
-    const double depths[2] = {depth(joint.body_a, joint.anchor_a), depth(joint.body_b, joint.anchor_b)};
+    const PinDepth a = depth(joint.body_a, joint.anchor_a), b = depth(joint.body_b, joint.anchor_b);
+    if (!(std::min(a.least, b.least) > 0)) continue;
     double& most = pinned[std::minmax(joint.body_a, joint.body_b)];
-    if (std::min(depths[0], depths[1]) > 0) most = std::max(most, depths[0] + depths[1]);
+    most = std::max(most, std::min(a.least + b.corner, a.corner + b.least));
   }
   return pinned;
 }
@@ -534,11 +576,17 @@ void explain(std::vector<Offence>& list, const std::vector<double>& other) {
                             std::max(other[offence.body_a], other[offence.body_b]) > offence.push;
 }
 
+/// How long an error may last among those that are corrected together with it.
+struct ClusterTime {
+  double allowed_s = 0;
+  double others_s = 0;  // the settling time of the slowest other one
+};
+
 /// Errors of connected bodies are corrected together. What is pushed out of one body is pushed into the next: while the
 /// slowest settles, an overlap may grow to the ways of all, which then are pushed out at its own rate. Joints connect
 /// bodies, and so do shapes that overlap or press on each other, since pushes pass through them.
-std::vector<double> times_of_clusters(const TickView& view, const std::vector<const Offence*>& offences,
-                                      Groups& clusters) {
+std::vector<ClusterTime> times_of_clusters(const TickView& view, const std::vector<const Offence*>& offences,
+                                           Groups& clusters) {
   const auto cluster_of = [&](const Offence& offence) {
     return clusters.of(is_dynamic(view.bodies[offence.body_a]) ? offence.body_a : offence.body_b);
   };
@@ -550,29 +598,34 @@ std::vector<double> times_of_clusters(const TickView& view, const std::vector<co
     const bool presses = contact.normal_force[0] > 0 || (contact.point_count == 2 && contact.normal_force[1] > 0);
     if (presses && is_dynamic(view.bodies[a]) && is_dynamic(view.bodies[b])) tie(a, b);
   }
-  std::vector<double> ways(view.bodies.size()), longest(view.bodies.size()), times;
-  std::vector<const Offence*> one(view.bodies.size());  // [cluster]
-  std::vector<std::uint8_t> has_others(view.bodies.size());
+  struct Cluster {
+    double way = 0;                    // m, of all
+    const Offence* slowest = nullptr;  // to settle
+    double others = 0;                 // s, the settling time of the slowest one with another key
+  };
+  std::vector<Cluster> all(view.bodies.size());
   for (const Offence* offence : offences) {
-    const std::uint32_t cluster = cluster_of(*offence);
-    ways[cluster] += offence->breach.error;
-    longest[cluster] = std::max(longest[cluster], offence->settling);
-    if (!one[cluster]) one[cluster] = offence;
-    if (one[cluster]->key != offence->key) has_others[cluster] = 1;
+    Cluster& cluster = all[cluster_of(*offence)];
+    cluster.way += offence->breach.error;
+    const bool is_slowest = !cluster.slowest || offence->settling > cluster.slowest->settling;
+    const Offence* faster = is_slowest ? cluster.slowest : offence;
+    if (is_slowest) cluster.slowest = offence;
+    if (faster && faster->key != cluster.slowest->key) cluster.others = std::max(cluster.others, faster->settling);
   }
+  std::vector<ClusterTime> times;
   for (const Offence* offence : offences) {
-    const std::uint32_t cluster = cluster_of(*offence);
-    const double after = has_others[cluster] != 0
-                             ? settling_time(ways[cluster], offence->least, offence->rate, push_speed)
-                             : ways[cluster] / push_speed;
-    times.push_back(seen_ticks * view.dt + longest[cluster] + after / view.push_share);
+    const Cluster& cluster = all[cluster_of(*offence)];
+    const double after = cluster.others > 0 ? settling_time(cluster.way, offence->least, offence->rate, push_speed)
+                                            : cluster.way / push_speed;
+    times.push_back({seen_ticks * view.dt + cluster.slowest->settling + after / view.push_share,
+                     offence->key == cluster.slowest->key ? cluster.others : cluster.slowest->settling});
   }
   return times;
 }
 
 /// Runs the clocks of what is off without a reason. A clock runs back while there is a reason.
 template <typename Clocks>
-void run_clocks(const std::vector<Offence>& list, const double* allowed_s, double dt, std::uint64_t tick,
+void run_clocks(const std::vector<Offence>& list, const ClusterTime* times, double dt, std::uint64_t tick,
                 Clocks& clocks, std::optional<Breach>& broken) {
   for (auto& [key, clock] : clocks) clock.is_running = false;
   for (std::size_t i = 0; i < list.size(); ++i) {
@@ -581,9 +634,13 @@ void run_clocks(const std::vector<Offence>& list, const double* allowed_s, doubl
     const double error = list[i].breach.error;
     // A body has come to another side, such as the front of a chain's edge: another overlap than before.
     if (clock.lasted_s > 0 && list[i].jump > 0 && error > clock.error_max + list[i].jump) clock = {};
+    // What takes longer has come into touch, and is pushed into this pair from now on.
+    const double others_s = times[i].others_s;
+    if (others_s > std::max(list[i].settling, 2 * clock.others_s)) clock = {};
+    clock.others_s = std::max(clock.others_s, others_s);
     clock.error_max = std::max(clock.error_max, error);
     // What grows later is not pushed out.
-    if (clock.lasted_s <= seen_ticks * dt) clock.allowed_s = std::max(clock.allowed_s, allowed_s[i]);
+    if (clock.lasted_s <= seen_ticks * dt) clock.allowed_s = std::max(clock.allowed_s, times[i].allowed_s);
     if (!clock.is_running) clock.lasted_s += dt;
     clock.is_running = true;
     if (clock.lasted_s <= clock.allowed_s || broken) continue;
@@ -661,7 +718,7 @@ void ConstraintLaw::look(const engine::Engine& engine, double dt) {
   for (const Offence& offence : contacts) all.push_back(&offence);
   for (const Offence& offence : joints) all.push_back(&offence);
   Groups clusters(view.bodies.size());
-  const std::vector<double> times = times_of_clusters(view, all, clusters);
+  const std::vector<ClusterTime> times = times_of_clusters(view, all, clusters);
   run_clocks(contacts, times.data(), dt, engine.tick() - 1, contact_clocks_, overlap_);
   run_clocks(joints, times.data() + contacts.size(), dt, engine.tick() - 1, joint_clocks_, gap_);
 }

@@ -59,6 +59,7 @@ class ConstraintLaw {
     double lasted_s = 0;
     double allowed_s = 0;
     double error_max = 0;  // m
+    double others_s = 0;   // the longest settling time of another error of its cluster so far
     bool is_running = false;
   };
   struct Pose {

@@ -114,27 +114,39 @@ class ThrownBodies {
       if (!lasts && input.kind != engine::InputKind::impulse) continue;
       const auto& values = input.values;
       const double push = is_torque ? 0 : std::hypot(values[0], values[1]);
-      const double twist = is_torque ? std::fabs(values[0]) : std::fabs(values[2] * values[1] - values[3] * values[0]);
       for (const BodyReport& body : bodies) {
         if (body.id != input.body || !(body.mass > 0)) continue;
-        double speed = push / body.mass;
-        if (body.inertia > 0) speed += twist / std::sqrt(body.mass * body.inertia);
-        speeds_[body.id] += speed * (lasts ? dt : 1);
+        // The point of an impulse or force is in the frame of its body.
+        const double c = std::cos(body.angle), s = std::sin(body.angle);
+        const Point arm{c * values[2] - s * values[3], s * values[2] + c * values[3]};
+        const double twist = std::fabs(is_torque ? values[0] : arm.x * values[1] - arm.y * values[0]);
+        Thrown& thrown = thrown_[body.id];
+        thrown.speed += push / body.mass * (lasts ? dt : 1);
+        if (!(body.inertia > 0)) continue;
+        thrown.spin += twist / body.inertia * (lasts ? dt : 1);
+        thrown.speed += twist / std::sqrt(body.mass * body.inertia) * (lasts ? dt : 1);
       }
     }
-    for (const auto& [id, speed] : speeds_) ways_[id] += speed * dt;
+    for (auto& [id, thrown] : thrown_) thrown.way += thrown.speed * dt;
   }
-  /// Whether inputs alone bring a body out of the space that a scene may have, or half of the way.
+  /// Whether inputs alone bring a body beyond the place or speed that a scene may have, or half of it.
   bool some_are_out() const {
-    return std::any_of(ways_.begin(), ways_.end(),
-                       [](const auto& way) { return way.second > 0.5 * limits::coordinate_max_m; });
+    return std::any_of(thrown_.begin(), thrown_.end(), [](const auto& each) {
+      const Thrown& thrown = each.second;
+      return thrown.way > 0.5 * limits::coordinate_max_m ||
+             std::max(thrown.speed, thrown.spin) > 0.5 * limits::speed_max;
+    });
   }
 
  private:
+  struct Thrown {
+    double speed = 0;  // m/s
+    double spin = 0;   // rad/s
+    double way = 0;    // m
+  };
   const std::vector<engine::Input>& inputs_;
   std::size_t at_ = 0;
-  std::map<std::uint32_t, double> speeds_;  // [body id] m/s
-  std::map<std::uint32_t, double> ways_;    // [body id] m
+  std::map<std::uint32_t, Thrown> thrown_;  // [body id]
 };
 
 /// The number of constraint rows that act on each body, by id.
@@ -324,6 +336,8 @@ PhysicsCounts count_physics(const RunContext& context, const BaseRun& base) {
     counts.texts.push_back("energy rises by " + tool::short_number(energy - lowest) + " J until tick " +
                            std::to_string(tick) + ": expected at most " + tool::short_number(allowed));
   }
+  if (base.ran_away && must_stay)  // the tick in which it does is not among those of the base run
+    thrown.add_tick(engine.bodies(), base.tick_count, context.inputs.at(base.tick_count).dt);
   counts.broken[3] = base.ran_away && must_stay && !thrown.some_are_out();
   if (counts.broken[3]) counts.texts.insert(counts.texts.begin(), "a body runs away" + end);
   if (!law) return counts;
