@@ -194,6 +194,19 @@ TEST_CASE("what its scene or its inputs throw may run away", "[verifier][soak][l
     twist.values = {mass * speed / Scene{}.settings.dt};
     CHECK(is_found(two_discs(3), {twist}) == (speed < 2));
   }
+  // An arm is given in the body's frame. What is along the force there is across it in the world.
+  for (const double angle : {0.0, engine::pi / 2}) {
+    Scene scene = two_discs(3);
+    scene.bodies[1].angle = angle;
+    push.values = {mass * 1e5, 0, 1e3, 0};
+    CHECK(is_found(scene, {push}) == (angle == 0));
+  }
+  // An impulse that gives no way but a spin beyond what a scene may have, in the tick in which the world ends.
+  push.tick = 16;
+  for (const double arm : {1.0, 1e5}) {
+    push.values = {0, mass * 1e5, arm, 0};
+    CHECK(is_found(two_discs(3), {push}) == (arm < 2));
+  }
   // A force that pushes away as the distance or its cube. k > 0 attracts.
   for (const double coefficient : {-1e-3, 1e-3})
     for (const int exponent : {1, 3}) {
@@ -714,7 +727,8 @@ TEST_CASE("worlds that once broke a rule of physics break none", "[verifier][soa
         World{20261861, 5313}, World{20261861, 8649}, World{20261861, 9257}, World{20261871, 3217},
         World{20261871, 3389}, World{20261871, 4815}, World{20261881, 1365}, World{20261881, 749},
         World{20261881, 9192}, World{20261881, 9304}, World{20261901, 5575}, World{20261901, 5903},
-        World{20261861, 7094}, World{20261871, 1525}, World{20261871, 3848}, World{20261881, 233}}) {
+        World{20261901, 6082}, World{20261861, 7094}, World{20261871, 1525}, World{20261871, 3848},
+        World{20261881, 233}}) {
     CAPTURE(seed, index);
     const SoakCase world = soak::random_worlds().make(soak::world_seed(seed, index)).soak_case;
     const CaseInputs inputs(world);
