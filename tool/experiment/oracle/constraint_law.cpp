@@ -3,16 +3,12 @@
 #include "tool/experiment/oracle/constraint_law.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <limits>
-#include <numeric>
-#include <set>
 
 #include "engine/math/trig.h"
-#include "engine/math/union_find.h"
 #include "engine/scene/hull.h"
-#include "tool/expression/named_table.h"
+#include "tool/experiment/oracle/unmeetable.h"
 #include "tool/study/table.h"
 
 namespace ticktrue::soak {
@@ -27,8 +23,6 @@ using engine::Point;
 using engine::Shape;
 using Extent = ConstraintLaw::Extent;
 
-constexpr double infinite = std::numeric_limits<double>::infinity();
-
 // Of docs/physics.md.
 constexpr double contact_hertz_h = 0.125;  // frequency times h; twice that against immovable bodies
 constexpr double contact_damping_ratio = 10;
@@ -40,12 +34,9 @@ constexpr double direct_push_speed = 0.1;   // m/s: a push has at most the energ
 constexpr double short_pulley_side = 0.01;  // of its length; the engine leaves out a side of half that length
 
 // Of this rule.
-constexpr double size_share = 0.025;  // what located bounces leave, 0.02 sizes, and the slop, 0.005
-constexpr double load_factor = 2;     // loads are sampled at the end of a tick
-constexpr double seen_ticks = 3;      // until an overlap is a contact, is pushed, and is looked at
-constexpr double opposite = -0.5;     // cosine of two normals between which a body is squeezed
-constexpr double jump_share = 0.25;   // of the smaller size: an overlap on another side
-constexpr double epsilon_count = 16;  // roundings of a coordinate
+constexpr double load_factor = 2;    // loads are sampled at the end of a tick
+constexpr double seen_ticks = 3;     // until an overlap is a contact, is pushed, and is looked at
+constexpr double jump_share = 0.25;  // of the smaller size: an overlap on another side
 
 struct SoftLaw {
   double omega = 0;      // 1/s: a load F yields F / (m omega^2)
@@ -101,28 +92,9 @@ Extent extent_of(const BodyReport& body) {
   return extent;
 }
 
-bool is_dynamic(const BodyReport& body) {
-  return body.type == BodyType::dynamic_body;
-}
 double inverse_of(double value) {
   return value > 0 ? 1 / value : 0;
 }
-Point velocity_at(const BodyReport& body, const Point& p) {
-  const Point arm{p.x - body.center.x, p.y - body.center.y};
-  return {body.velocity.x - body.angular_velocity * arm.y, body.velocity.y + body.angular_velocity * arm.x};
-}
-
-/// Sets of bodies that are tied together.
-class Groups {
- public:
-  explicit Groups(std::size_t count) : parent_(count) { std::iota(parent_.begin(), parent_.end(), 0u); }
-  std::uint32_t of(std::uint32_t i) { return engine::find_root(parent_, i); }
-  void tie(std::uint32_t a, std::uint32_t b) { engine::unite(parent_, a, b); }
-
- private:
-  std::vector<std::uint32_t> parent_;
-};
-
 /// A contact point or a joint whose error is above its tolerance.
 struct Offence {
   std::pair<std::uint32_t, std::uint32_t> key;
@@ -135,49 +107,6 @@ struct Offence {
   double rate = 0;      // 1/s, of the bias
   double jump = 0;      // m: beyond this growth in a tick, the overlap is a new one
   bool is_explained = false;
-};
-
-/// The world at the end of a tick.
-struct TickView {
-  const engine::Scene& scene;
-  double dt;
-  tool::Bodies bodies;
-  std::vector<ContactReport> contacts;
-  tool::NamedTable joints;
-  std::map<std::uint32_t, std::uint32_t> index;  // [body id]
-  std::vector<double> h;                         // [body], s
-  std::vector<Extent> extents;                   // [body]
-  std::vector<std::uint8_t> is_asleep;           // [body]
-  std::vector<double> moved;                     // [body], in this tick, m: no point of it more
-  double push_share;                             // of a push that moves bodies
-
-  double substep_of(std::uint32_t a, std::uint32_t b) const {
-    return std::max(is_dynamic(bodies[a]) ? h[a] : 0, is_dynamic(bodies[b]) ? h[b] : 0);
-  }
-  /// The rounding of the positions of two bodies, m. Each tick rounds them once.
-  double rounding_of(std::uint32_t a, std::uint32_t b) const {
-    const double epsilon = scene.settings.precision == engine::Precision::f32
-                               ? double{std::numeric_limits<float>::epsilon()}
-                               : std::numeric_limits<double>::epsilon();
-    double coordinates = 0;
-    for (const std::uint32_t i : {a, b}) coordinates += std::fabs(bodies[i].center.x) + std::fabs(bodies[i].center.y);
-    return epsilon * coordinates;
-  }
-  /// The error that is no matter, m.
-  double slack_of(std::uint32_t a, std::uint32_t b) const {
-    return size_share * std::min(extents[a].size, extents[b].size) + epsilon_count * rounding_of(a, b);
-  }
-  /// The error below which the scene asks for no more substeps, m.
-  double target_error_of(std::uint32_t a, std::uint32_t b) const {
-    const auto& automatic = scene.settings.auto_substeps;
-    return automatic ? automatic->target_error * std::min(extents[a].size, extents[b].size) : 0;
-  }
-  /// What bodies that sleep may be off by, m: what was pushed out no faster than the scene takes for rest.
-  double asleep_slack_of(std::uint32_t a, std::uint32_t b, double bias_rate) const {
-    const int count = is_asleep[a] + is_asleep[b];
-    return count > 0 ? count * scene.settings.sleep->speed_max / (bias_rate * push_share) : 0;
-  }
-  bool is_fixed(std::uint32_t a, std::uint32_t b) const { return !is_dynamic(bodies[a]) && !is_dynamic(bodies[b]); }
 };
 
 /// The length of a substep of each body. A budget may give fewer substeps than the state names, at least the scene's.
@@ -199,10 +128,6 @@ std::vector<std::uint8_t> find_asleep(const StateView& state, const std::map<std
     if (const auto found = index.find(rows.whole(i, "body")); found != index.end())
       is_asleep[found->second] = rows.whole(i, "asleep") != 0 ? 1 : 0;
   return is_asleep;
-}
-
-bool overlaps(const ContactReport& contact) {
-  return contact.separation[0] < 0 || (contact.point_count == 2 && contact.separation[1] < 0);
 }
 
 /// How far the angle is off that a joint holds without a spring, rad.
@@ -323,65 +248,6 @@ double moved_within(const TickView& view, const ContactReport& contact, int poin
   return std::max(slid, std::min(at_end, most)) + std::min(rolled, most);
 }
 
-/// Pairs of bodies that a weld holds in place against each other, and that collide all the same.
-std::set<std::pair<std::uint32_t, std::uint32_t>> find_welded(const TickView& view) {
-  std::set<std::pair<std::uint32_t, std::uint32_t>> welded;
-  for (std::uint32_t i = 0; i < view.joints.row_count(); ++i) {
-    const Joint& joint = view.scene.joints[view.joints.whole(i, "joint")];
-    if (joint.kind == JointKind::weld && !joint.spring && !joint.linear_spring)
-      welded.insert(std::minmax(joint.body_a, joint.body_b));
-  }
-  return welded;
-}
-
-/// A point in a shape.
-struct PinDepth {
-  double least = 0;   // m, how deep it lies inside; at most 0 outside
-  double corner = 0;  // m, to the farther corner of the nearest edge
-};
-PinDepth depth_inside(const Shape& shape, const Point& at) {
-  if (engine::is_line(shape.kind)) return {};
-  const std::vector<Point> core = engine::core_of(shape);
-  double inside = infinite, outside = infinite, corner = 0;
-  for (std::size_t i = 0; i < core.size(); ++i) {
-    const Point& p = core[i];
-    const Point& q = core[(i + 1) % core.size()];
-    const Point edge{q.x - p.x, q.y - p.y};
-    const double length = std::hypot(edge.x, edge.y);
-    const double along = length > 0 ? ((at.x - p.x) * edge.x + (at.y - p.y) * edge.y) / (length * length) : 0;
-    const double share = std::clamp(along, 0.0, 1.0);
-    outside = std::min(outside, std::hypot(at.x - p.x - share * edge.x, at.y - p.y - share * edge.y));
-    const double depth = length > 0 ? (edge.x * (at.y - p.y) - edge.y * (at.x - p.x)) / length : infinite;
-    if (depth >= inside) continue;
-    inside = depth;
-    corner = std::max(std::hypot(at.x - p.x, at.y - p.y), std::hypot(at.x - q.x, at.y - q.y));
-  }
-  if (core.size() >= 3 && inside > 0) return {shape.radius + inside, shape.radius + corner};
-  return {shape.radius - outside, shape.radius - outside};
-}
-
-/// Overlaps of bodies that the scene asks for, m: a pin holds a point that lies inside of both. Contacts push the two
-/// points of an edge alike. Around a pin that turns bodies until a corner of one lies deep in an edge of the other.
-std::map<std::pair<std::uint32_t, std::uint32_t>, double> find_pinned(const TickView& view) {
-  std::map<std::pair<std::uint32_t, std::uint32_t>, double> pinned;
-  for (std::uint32_t i = 0; i < view.joints.row_count(); ++i) {
-    const Joint& joint = view.scene.joints[view.joints.whole(i, "joint")];
-    const bool is_pin = joint.kind == JointKind::revolute || (joint.kind == JointKind::weld && !joint.linear_spring);
-    if (!is_pin || !joint.collide_connected) continue;
-    const auto depth = [&](std::uint32_t id, const Point& anchor) {
-      PinDepth most;
-      for (const Shape& shape : *view.bodies[view.index.at(id)].shapes)
-        if (const PinDepth of_shape = depth_inside(shape, anchor); of_shape.least > most.least) most = of_shape;
-      return most;
-    };
-    const PinDepth a = depth(joint.body_a, joint.anchor_a), b = depth(joint.body_b, joint.anchor_b);
-    if (!(std::min(a.least, b.least) > 0)) continue;
-    double& most = pinned[std::minmax(joint.body_a, joint.body_b)];
-    most = std::max(most, std::min(a.least + b.corner, a.corner + b.least));
-  }
-  return pinned;
-}
-
 /// Contact points that are off, and the speed at which contacts push each body.
 std::vector<Offence> contact_offences(const TickView& view, const std::vector<std::uint8_t>& is_crushed,
                                       std::vector<double>& pushed) {
@@ -436,44 +302,6 @@ std::vector<Offence> contact_offences(const TickView& view, const std::vector<st
   return list;
 }
 
-/// Pairs of bodies that a joint without springs holds together.
-std::set<std::pair<std::uint32_t, std::uint32_t>> find_held(const TickView& view) {
-  std::set<std::pair<std::uint32_t, std::uint32_t>> held;
-  for (std::uint32_t i = 0; i < view.joints.row_count(); ++i) {
-    const Joint& joint = view.scene.joints[view.joints.whole(i, "joint")];
-    if (!engine::has_body_a(joint.kind) || !engine::traits_of(joint.kind).is_rigid) continue;
-    const bool is_held =
-        joint.kind == JointKind::weld ? !joint.linear_spring : joint.kind == JointKind::revolute || !joint.spring;
-    if (is_held) held.insert(std::minmax(view.index.at(joint.body_a), view.index.at(joint.body_b)));
-  }
-  return held;
-}
-
-/// Bodies between two shapes of one body, between two immovable ones, or between two that a joint holds together.
-void find_squeezed(const TickView& view, std::vector<std::uint8_t>& is_crushed) {
-  struct Side {
-    std::uint32_t other;
-    Point normal;
-  };
-  const auto held = find_held(view);
-  std::vector<std::vector<Side>> sides(view.bodies.size());
-  for (const ContactReport& contact : view.contacts) {
-    if (!overlaps(contact)) continue;
-    const std::uint32_t a = view.index.at(contact.body_a), b = view.index.at(contact.body_b);
-    sides[a].push_back({b, contact.normal});
-    sides[b].push_back({a, {-contact.normal.x, -contact.normal.y}});
-  }
-  for (std::uint32_t i = 0; i < view.bodies.size(); ++i) {
-    if (!is_dynamic(view.bodies[i])) continue;
-    for (const Side& one : sides[i])
-      for (const Side& two : sides[i])
-        if (one.normal.x * two.normal.x + one.normal.y * two.normal.y < opposite &&
-            (one.other == two.other || view.is_fixed(one.other, two.other) ||
-             held.contains(std::minmax(one.other, two.other))))
-          is_crushed[i] = 1;
-  }
-}
-
 /// [body] the largest of `speeds` among the bodies that joints with gaps connect to it, m/s. A push on one of them
 /// drags the others along.
 std::vector<double> spread_over(const TickView& view, const std::vector<Offence>& joints,
@@ -486,87 +314,6 @@ std::vector<double> spread_over(const TickView& view, const std::vector<Offence>
   for (std::uint32_t i = 0; i < speeds.size(); ++i) most[groups.of(i)] = std::max(most[groups.of(i)], speeds[i]);
   for (std::uint32_t i = 0; i < speeds.size(); ++i) spread[i] = most[groups.of(i)];
   return spread;
-}
-
-/// Calls tie(a, b) for the moving bodies of each joint.
-template <typename Tie>
-void tie_joined(const TickView& view, const Tie& tie) {
-  for (std::uint32_t i = 0; i < view.joints.row_count(); ++i) {
-    std::optional<std::uint32_t> last;
-    engine::for_each_body(view.scene, view.scene.joints[view.joints.whole(i, "joint")], [&](std::uint32_t id) {
-      const std::uint32_t body = view.index.at(id);
-      if (!is_dynamic(view.bodies[body])) return;
-      if (last) tie(*last, body);
-      last = body;
-    });
-  }
-}
-
-/// Calls tie(a, b) for moving bodies that overlap.
-template <typename Tie>
-void tie_touching(const TickView& view, const Tie& tie) {
-  for (const ContactReport& contact : view.contacts) {
-    const std::uint32_t a = view.index.at(contact.body_a), b = view.index.at(contact.body_b);
-    if (overlaps(contact) && is_dynamic(view.bodies[a]) && is_dynamic(view.bodies[b])) tie(a, b);
-  }
-}
-
-/// Groups of touching and joined bodies that a moving kinematic body drives, by touch or by a joint, and another
-/// immovable body holds.
-void find_driven(const TickView& view, std::vector<std::uint8_t>& is_crushed) {
-  const auto count = static_cast<std::uint32_t>(view.bodies.size());
-  Groups groups(count);
-  const auto tie = [&](std::uint32_t a, std::uint32_t b) { groups.tie(a, b); };
-  tie_touching(view, tie);
-  tie_joined(view, tie);
-  struct Hold {
-    std::optional<std::uint32_t> first;  // immovable body
-    bool is_driven = false;
-    bool has_two = false;
-  };
-  std::vector<Hold> holds(count);
-  const auto hold = [&](std::uint32_t wall, std::uint32_t body, bool is_driven) {
-    Hold& at = holds[groups.of(body)];
-    at.has_two |= at.first && *at.first != wall;
-    if (!at.first) at.first = wall;
-    at.is_driven |= is_driven;
-  };
-  for (const ContactReport& contact : view.contacts) {
-    const std::uint32_t a = view.index.at(contact.body_a), b = view.index.at(contact.body_b);
-    if (!overlaps(contact) || is_dynamic(view.bodies[a]) == is_dynamic(view.bodies[b])) continue;
-    const std::uint32_t wall = is_dynamic(view.bodies[a]) ? b : a;
-    bool is_driven = false;
-    for (int i = 0; i < contact.point_count; ++i) {
-      const Point v = velocity_at(view.bodies[wall], contact.point[i]);
-      is_driven |= (wall == a ? 1 : -1) * (v.x * contact.normal.x + v.y * contact.normal.y) > 0;
-    }
-    hold(wall, wall == a ? b : a, is_driven);
-  }
-  const auto drives = [&](std::uint32_t wall) {
-    const BodyReport& body = view.bodies[wall];
-    return body.type == BodyType::kinematic_body && (tool::speed_of(body) != 0 || body.angular_velocity != 0);
-  };
-  for (std::uint32_t i = 0; i < view.joints.row_count(); ++i) {
-    const Joint& joint = view.scene.joints[view.joints.whole(i, "joint")];
-    if (!engine::has_body_a(joint.kind)) continue;
-    const std::uint32_t a = view.index.at(joint.body_a), b = view.index.at(joint.body_b);
-    if (drives(a) && is_dynamic(view.bodies[b])) hold(a, b, true);
-    if (drives(b) && is_dynamic(view.bodies[a])) hold(b, a, true);
-  }
-  // Between impacts, bodies need not touch what drives them at the end of a tick.
-  for (std::uint32_t wall = 0; wall < count; ++wall) {
-    const BodyReport& body = view.bodies[wall];
-    if (!drives(wall)) continue;
-    for (std::uint32_t i = 0; i < count; ++i) {
-      const BodyReport& other = view.bodies[i];
-      if (!is_dynamic(other)) continue;
-      const double way = std::hypot(other.velocity.x - body.velocity.x, other.velocity.y - body.velocity.y) * view.dt;
-      const double distance = std::hypot(other.center.x - body.center.x, other.center.y - body.center.y);
-      if (distance <= view.extents[i].reach + view.extents[wall].reach + way) hold(wall, i, true);
-    }
-  }
-  for (std::uint32_t i = 0; i < count; ++i)
-    if (is_dynamic(view.bodies[i]) && holds[groups.of(i)].is_driven && holds[groups.of(i)].has_two) is_crushed[i] = 1;
 }
 
 /// Of two constraints that contradict each other, the one with the slower push gives way. `other`: [body], m/s.
