@@ -15,7 +15,6 @@ namespace ticktrue::soak {
 namespace {
 
 using engine::BodyReport;
-using engine::BodyType;
 using engine::ContactReport;
 using engine::Joint;
 using engine::JointKind;
