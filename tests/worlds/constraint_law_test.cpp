@@ -195,7 +195,7 @@ TEST_CASE("what its scene or its inputs throw may run away", "[verifier][soak][l
     CHECK(is_found(two_discs(3), {twist}) == (speed < 2));
   }
   // An arm is given in the body's frame. What is along the force there is across it in the world.
-  for (const double angle : {0.0, engine::pi / 2}) {
+  for (const double angle : {0.0, std::numbers::pi / 2}) {
     Scene scene = two_discs(3);
     scene.bodies[1].angle = angle;
     push.values = {mass * 1e5, 0, 1e3, 0};
