@@ -201,11 +201,13 @@ TEST_CASE("what its scene or its inputs throw may run away", "[verifier][soak][l
     push.values = {mass * 1e5, 0, 1e3, 0};
     CHECK(is_found(scene, {push}) == (angle == 0));
   }
-  // An impulse that gives no way but a spin beyond what a scene may have, in the tick in which the world ends.
+  // An impulse on a disc of 1 cm, in the tick in which the world ends. At 1.2e9 rad/s it has a way of 140 km at most.
+  Scene small = two_discs(3);
+  small.bodies[1].shapes[0].radius = 0.01;
   push.tick = 16;
-  for (const double arm : {1.0, 1e5}) {
-    push.values = {0, mass * 1e5, arm, 0};
-    CHECK(is_found(two_discs(3), {push}) == (arm < 2));
+  for (const double arm : {1.0, 6e4}) {
+    push.values = {0, law_engine(small)->bodies()[1].mass, arm, 0};
+    CHECK(is_found(small, {push}) == (arm < 2));
   }
   // A force that pushes away as the distance or its cube. k > 0 attracts.
   for (const double coefficient : {-1e-3, 1e-3})
