@@ -45,6 +45,7 @@ struct ImpactPath {
   Real rotation_correction;  // rad
   bool is_hit;
   bool is_stopped;
+  bool slides;  // a stopped body, along what stopped it
 };
 
 }  // namespace ticktrue::engine::TICKTRUE_PRECISION

@@ -208,21 +208,35 @@ void change_velocity(ImpactPath& path, Real time, Vec2 change, Real spin_change)
   path.time = time;
 }
 
-/// Stops a body at `time` for the rest of the substep: in the world, or relative to the kinematic body `carrier`.
-void stop(const State& state, std::uint32_t row, ImpactPath& path, Real time, const ImpactPath* carrier,
-          std::uint32_t carrier_row) {
-  if (path.is_stopped) return;
+/// Stops a body at `time` for the rest of the substep: in the world, or relative to the kinematic body `carrier`. Along
+/// `tangent` it moves on, until it is stopped once more: it keeps its velocity, and what it is joined to moves on, too.
+/// `tangent`: of an immovable body, or 0. Returns whether the path changes.
+bool stop(const State& state, std::uint32_t row, ImpactPath& path, Real time, Real h, Vec2 tangent,
+          const ImpactPath* carrier, std::uint32_t carrier_row) {
+  if (path.is_stopped && !path.slides) return false;
+  const bool slid = path.is_stopped;
+  path.is_stopped = false;
   change_velocity(path, time, {0, 0}, 0);
-  path.saved_velocity = path.velocity;
-  path.saved_spin = path.angular_velocity;
-  path.saved_acceleration = path.acceleration;
-  path.velocity = path.acceleration = {0, 0};
-  path.angular_velocity = 0;
   path.is_stopped = true;
-  if (carrier == nullptr) return;
-  const Vec2 arm = pose_at(state, path, row, time).position - pose_at(state, *carrier, carrier_row, time).position;
-  path.velocity = velocity_at(*carrier, time) + cross(carrier->angular_velocity, arm);
-  path.angular_velocity = carrier->angular_velocity;
+  path.slides = !slid && length_squared(tangent) > 0;
+  if (!slid) {
+    path.saved_velocity = path.velocity;
+    path.saved_spin = path.angular_velocity;
+    path.saved_acceleration = path.acceleration;
+  }
+  path.velocity = {0, 0};
+  path.angular_velocity = 0;
+  if (carrier != nullptr) {
+    const Vec2 arm = pose_at(state, path, row, time).position - pose_at(state, *carrier, carrier_row, time).position;
+    path.velocity = velocity_at(*carrier, time) + cross(carrier->angular_velocity, arm);
+    path.angular_velocity = carrier->angular_velocity;
+  }
+  path.acceleration = {0, 0};
+  if (!path.slides) return true;
+  path.velocity = path.velocity + dot(path.saved_velocity - path.velocity, tangent) * tangent;
+  path.acceleration = dot(path.saved_acceleration, tangent) * tangent;
+  path.saved_velocity = path.saved_velocity + (h - time) * path.acceleration;
+  return true;
 }
 
 /// Changes the velocities of all bodies that the impulses move.
@@ -327,6 +341,7 @@ void begin_path(const SolvedSet& solved, const DriftVelocities& drift, ImpactWor
   path.angle = 0;
   path.is_hit = false;
   path.is_stopped = false;
+  path.slides = false;
   if (is_static) {
     path.velocity = path.acceleration = {0, 0};
     path.angular_velocity = 0;
@@ -587,7 +602,7 @@ void apply_impacts(const SolvedSet& solved, std::vector<ImpactPair>& impacts, Dr
     const ImpactPair hit = first;
     // The path of a stopped body does not change again.
     const auto may_change = [&](std::uint32_t row) {
-      return is_dynamic(model, state, row) && !work.paths[row].is_stopped;
+      return is_dynamic(model, state, row) && (!work.paths[row].is_stopped || work.paths[row].slides);
     };
     const bool a_changes = may_change(hit.body_a), b_changes = may_change(hit.body_b);
     const ImpactEnds ends = hit.is_located ? resolve(solved, direct, work, hit) : ImpactEnds{};
@@ -600,8 +615,9 @@ void apply_impacts(const SolvedSet& solved, std::vector<ImpactPair>& impacts, Dr
         if (!is_dynamic(model, state, row)) continue;
         const std::uint32_t other = row == hit.body_a ? hit.body_b : hit.body_a;
         const bool is_carried = body_model(model, state, other).type == BodyType::kinematic_body;
-        stopped |= !work.paths[row].is_stopped;
-        stop(state, row, work.paths[row], hit.time, is_carried ? &work.paths[other] : nullptr, other);
+        const Vec2 tangent = is_dynamic(model, state, other) ? Vec2{0, 0} : right_turn(hit.normal);
+        stopped |= stop(state, row, work.paths[row], hit.time, solved.set.h, tangent,
+                        is_carried ? &work.paths[other] : nullptr, other);
       }
       first.is_done = !stopped;
     }
