@@ -156,10 +156,22 @@ digest=$(sh tests/platforms/record.sh digest)
 
 traces=- ticks=- worlds=- compiler=- target=- tests=- travel=- fused_count=- probe=- build_user=- build_wall=- run_user=- run_wall=-
 
+# An object whose source changed while it was compiled has the old code and is newer than the source. So a build that was
+# cut off, or during which sources changed, leaves this file, and the next one compiles everything anew.
+unfinished=build/$name/unfinished
+
 build_all() {
   set -- trace_check portable_tests platform_check
   [ "$extent" = quick ] || set -- "$@" ticktrue
-  cmake --build "build/$name" -j "$jobs" --target "$@"
+  [ ! -e "$unfinished" ] || set -- "$@" --clean-first
+  touch "$unfinished"
+  cmake --build "build/$name" -j "$jobs" --target "$@" || return
+  changed=$(find base engine replay tests/platforms tests/portable -name '*.h' -newer "$unfinished" -o -name '*.cpp' -newer "$unfinished")
+  if [ -n "$changed" ]; then
+    find_fault "sources changed during the build: $(printf '%s' "$changed" | head -n 1)"
+  else
+    rm "$unfinished"
+  fi
 }
 
 main() {
