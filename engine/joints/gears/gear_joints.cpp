@@ -5,9 +5,12 @@
 //
 // c_a, c_b = coordinates of the joints: angles with all turns, or translations. r = ratio. C = c_a + r c_b - constant,
 // u = u_a + r u_b. The gradient J is the sum of the gradients of both coordinates. A body that both joints share gets
-// the sum of its two parts. Impulses include the reactions of the joints' rigid rows, so that these rows stay at rest,
-// as for the motors of these joints: the impulse on the bodies is P, and K = J M^-1 P^T. All rows act with opposite
-// impulses on two bodies, so momentum is conserved. linear.x = the force on c_a, linear.y = r linear.x, that on c_b.
+// the sum of its two parts. An impulse includes the reactions of all rigid rows of both joints, so that these rows stay
+// at rest: it acts along P, which is J less its part along the rigid rows. P is the gradient of the row as well: u = P
+// v, K = P M^-1 P^T, and C less the same part of the errors of the rigid rows. Other joints may have moved the rigid
+// rows since their own joint was solved. u = J v and K = J M^-1 P^T would then ask for impulses that add energy. All
+// rows act with opposite impulses on two bodies, so momentum is conserved. linear.x = the force on c_a, linear.y = r
+// linear.x, that on c_b.
 #include "engine/joints/gears/gear_joints.h"
 
 #include "engine/joints/joint_rows.h"
@@ -29,69 +32,90 @@ BodyDirection operator*(Real s, const BodyDirection& a) {
   return {s * a.linear, s * a.angular};
 }
 
-/// A body of a gear: the gradient of the error with respect to its pose, and its impulse.
+/// A gear has five rows: two rigid ones of each joint, and its own, which is the last.
+constexpr std::size_t row_count = 5;
+
+/// A body of a gear: the gradients of the rows with respect to its pose.
 struct GearBody {
   std::uint32_t record;
   Real inv_mass;
   Real inv_inertia;
-  BodyDirection gradient;
-  BodyDirection push;  // the gradient and the reactions of the joints
+  Real arm;  // to the point at which the impulses act, m
+  std::array<BodyDirection, row_count> gradients;
+  BodyDirection push;  // the gear's gradient less its part along the rigid rows
+
+  bool can_move() const { return inv_mass > 0 || inv_inertia > 0; }
 };
 
-Real part_mobility(const GearBody& body, const BodyDirection& push) {
-  return body.inv_mass * dot(body.gradient.linear, push.linear) +
-         body.inv_inertia * body.gradient.angular * push.angular;
-}
-
-/// Parts of a shared body may cancel, as when two joints of the same two bodies turn them against each other. What is
-/// left below this share of the parts' mobility is rounding.
-constexpr Real mobility_share_least = Real(1e-8);
-
-/// With P the gradient and the reactions, an impulse -u / (J M^-1 P^T) changes the kinetic energy by u^2 / (J M^-1 P^T)
-/// times P M^-1 P^T / (2 J M^-1 P^T) - 1. The two products are equal if the joints share no moving body. Where they
-/// share one, the reactions of one joint disturb the other joint, and the energy could grow below one half.
-constexpr Real pushed_share_least = Real(0.75);
+/// A row of which less is left than this share of its mobility follows from the rows before it. What is left is
+/// rounding, also where parts of a shared body cancel.
+constexpr double independent_share_least = 1e-12;
 
 /// The bodies of a gear, each once.
 struct GearRows {
   std::array<GearBody, 4> bodies;
   std::size_t count = 0;
-  Real mobility = 0;  // 0: the row moves nothing
-  Real of_parts = 0;  // the sum of the parts' mobilities
+  std::array<double, row_count> errors{};
+  Real mobility = 0;    // 0: the row moves nothing
+  double of_parts = 0;  // the sum of the parts' mobilities
 
   void add(const GearBody& body) {
-    of_parts += part_mobility(body, body.gradient);
+    const BodyDirection& part = body.gradients.back();
+    of_parts += static_cast<double>(body.inv_mass * length_squared(part.linear) +
+                                    body.inv_inertia * part.angular * part.angular);
     for (std::size_t i = 0; i < count; ++i)
       if (bodies[i].record == body.record) {
-        bodies[i].gradient = bodies[i].gradient + body.gradient;
-        bodies[i].push = bodies[i].push + body.push;
+        bodies[i].arm = larger(bodies[i].arm, body.arm);
+        for (std::size_t r = 0; r < row_count; ++r) bodies[i].gradients[r] = bodies[i].gradients[r] + body.gradients[r];
         return;
       }
     bodies[count++] = body;
   }
-  /// Leaves out the reactions if they might add energy (pushed_share_least).
-  void find_mobility() {
-    Real pushed = 0;
+  /// Takes from each row its part along the rows before it: modified Gram-Schmidt in the metric of the inverse masses,
+  /// in doubles, since far anchors cancel almost whole.
+  void find_push() {
+    using Wide = std::array<double, 13>;  // x, y, angle of each body; the error
+    Wide inverse{};
+    std::array<Wide, row_count> rows{};
     for (std::size_t i = 0; i < count; ++i) {
-      const GearBody& body = bodies[i];
-      mobility += part_mobility(body, body.push);
-      pushed +=
-          body.inv_mass * length_squared(body.push.linear) + body.inv_inertia * body.push.angular * body.push.angular;
+      inverse[3 * i] = inverse[3 * i + 1] = static_cast<double>(bodies[i].inv_mass);
+      inverse[3 * i + 2] = static_cast<double>(bodies[i].inv_inertia);
+      for (std::size_t r = 0; r < row_count; ++r) {
+        const BodyDirection& gradient = bodies[i].gradients[r];
+        rows[r][3 * i] = static_cast<double>(gradient.linear.x);
+        rows[r][3 * i + 1] = static_cast<double>(gradient.linear.y);
+        rows[r][3 * i + 2] = static_cast<double>(gradient.angular);
+      }
     }
-    const Real least = mobility_share_least * of_parts;
-    if (mobility > least && mobility >= pushed_share_least * pushed) return;
-    mobility = 0;
-    for (std::size_t i = 0; i < count; ++i) {
-      bodies[i].push = bodies[i].gradient;
-      mobility += part_mobility(bodies[i], bodies[i].push);
+    const auto product = [&](const Wide& a, const Wide& b) {
+      double sum = 0;
+      for (std::size_t k = 0; k < a.size(); ++k) sum += a[k] * inverse[k] * b[k];
+      return sum;
+    };
+    std::array<double, row_count> left{};
+    for (std::size_t r = 0; r < row_count; ++r) {
+      rows[r].back() = errors[r];
+      const double whole = r + 1 < row_count ? product(rows[r], rows[r]) : of_parts;
+      for (std::size_t before = 0; before < r; ++before) {
+        if (!(left[before] > 0)) continue;
+        const double share = product(rows[r], rows[before]) / left[before];
+        for (std::size_t k = 0; k < rows[r].size(); ++k) rows[r][k] -= share * rows[before][k];
+      }
+      left[r] = product(rows[r], rows[r]);
+      if (!(left[r] > independent_share_least * whole)) left[r] = 0;
     }
-    if (!(mobility > least)) mobility = 0;
+    const Wide& push = rows.back();
+    mobility = static_cast<Real>(left.back());
+    errors.back() = push.back();
+    for (std::size_t i = 0; i < count; ++i)
+      bodies[i].push = {{static_cast<Real>(push[3 * i]), static_cast<Real>(push[3 * i + 1])},
+                        static_cast<Real>(push[3 * i + 2])};
   }
   Real speed(const MovingBody* records) const {
     Real sum = 0;
     for (std::size_t i = 0; i < count; ++i) {
       const MovingBody& body = records[bodies[i].record];
-      sum += dot(bodies[i].gradient.linear, body.velocity) + bodies[i].gradient.angular * body.angular_velocity;
+      sum += dot(bodies[i].push.linear, body.velocity) + bodies[i].push.angular * body.angular_velocity;
     }
     return sum;
   }
@@ -99,7 +123,7 @@ struct GearRows {
   void apply(MovingBody* records, Real impulse) const {
     for (std::size_t i = 0; i < count; ++i) {
       const GearBody& body = bodies[i];
-      if (!(body.inv_mass > 0 || body.inv_inertia > 0)) continue;
+      if (!body.can_move()) continue;
       MovingBody& record = records[body.record];
       record.velocity = record.velocity + (body.inv_mass * impulse) * body.push.linear;
       record.angular_velocity += body.inv_inertia * body.push.angular * impulse;
@@ -111,59 +135,57 @@ bool is_turning_part(const JointWork& part) {
   return part.model->kind == JointKind::revolute;
 }
 
-/// The gradient of a joint's coordinate with respect to A and B, and the impulses on them: as of the joint's motor, so
-/// that its rigid rows stay at rest.
+/// A joint of a gear. Gradients are those of its rigid rows and of its coordinate, with respect to A and B.
 struct GearPart {
-  BodyDirection gradient_a, gradient_b;
-  BodyDirection push_a, push_b;
-  Vec2 arm_a, arm_b;  // to the point at which the impulses act, in any frame
+  std::array<BodyDirection, 3> of_a, of_b;
+  std::array<double, 2> errors;  // of the rigid rows
+  Real arm_a, arm_b;             // to the point at which the impulses act, m
 };
 
 GearPart turning_part(const JointWork& part, const JointBodies& pair) {
-  GearPart out{{{0, 0}, -1}, {{0, 0}, 1}, {{0, 0}, -1}, {{0, 0}, 1}, {0, 0}, {0, 0}};
   const PointRow point = point_row(part, pair, ActsAt::middle);
-  const ConstrainedAngleRow row = constrained_angle_row(part, point);
-  if (!(row.mobility > 0)) return out;
-  out.push_a = {-row.reaction, -row.torque_a};
-  out.push_b = {row.reaction, row.torque_b};
-  out.arm_a = point.arm_a;
-  out.arm_b = point.arm_b;
-  return out;
+  const Vec2 a = point.arm_a, b = point.arm_b;
+  return {{{{{-1, 0}, a.y}, {{0, -1}, -a.x}, {{0, 0}, -1}}},
+          {{{{1, 0}, -b.y}, {{0, 1}, b.x}, {{0, 0}, 1}}},
+          {static_cast<double>(point.error.x), static_cast<double>(point.error.y)},
+          length(a),
+          length(b)};
 }
 
 GearPart sliding_part(const JointWork& part, const JointBodies& pair) {
   const Slide slide = slide_of(part, pair);
   const auto of_a = [](const LineRow& row) -> BodyDirection { return {-row.axis, -row.lever_a}; };
   const auto of_b = [](const LineRow& row) -> BodyDirection { return {row.axis, row.lever_b}; };
-  GearPart out{of_a(slide.along),
-               of_b(slide.along),
-               of_a(slide.along),
-               of_b(slide.along),
-               {slide.along.lever_a, slide.across.lever_a},
-               {slide.along.lever_b, slide.across.lever_b}};
-  if (!moves_something(part)) return out;
-  const ConstrainedLineRow row = constrained_line_row(part, slide);
-  out.push_a = (out.push_a + row.across * of_a(slide.across)) + BodyDirection{{0, 0}, -row.about_angle};
-  out.push_b = (out.push_b + row.across * of_b(slide.across)) + BodyDirection{{0, 0}, row.about_angle};
-  return out;
+  return {{of_a(slide.across), {{0, 0}, -1}, of_a(slide.along)},
+          {of_b(slide.across), {{0, 0}, 1}, of_b(slide.along)},
+          {static_cast<double>(slide.deviation), wide_relative_angle(part, pair)},
+          length(Vec2{slide.along.lever_a, slide.across.lever_a}),
+          length(Vec2{slide.along.lever_b, slide.across.lever_b})};
 }
 
-GearPart part_of(const JointWork& part, const MovingBody* records) {
+/// Adds part 0 or 1.
+void add_part(const JointWork& part, std::size_t index, const MovingBody* records, Real scale, GearRows& rows) {
   const JointBodies pair = load(part, records);
-  return is_turning_part(part) ? turning_part(part, pair) : sliding_part(part, pair);
-}
-
-void add_part(const JointWork& part, const MovingBody* records, Real scale, GearRows& rows) {
-  const GearPart of = part_of(part, records);
-  rows.add({part.read_a, part.inv_mass_a, part.inv_inertia_a, scale * of.gradient_a, scale * of.push_a});
-  rows.add({part.read_b, part.inv_mass_b, part.inv_inertia_b, scale * of.gradient_b, scale * of.push_b});
+  const GearPart of = is_turning_part(part) ? turning_part(part, pair) : sliding_part(part, pair);
+  GearBody a{part.read_a, part.inv_mass_a, part.inv_inertia_a, of.arm_a, {}, {}};
+  GearBody b{part.read_b, part.inv_mass_b, part.inv_inertia_b, of.arm_b, {}, {}};
+  for (std::size_t k = 0; k < 2; ++k) {
+    a.gradients[2 * index + k] = of.of_a[k];
+    b.gradients[2 * index + k] = of.of_b[k];
+    rows.errors[2 * index + k] = of.errors[k];
+  }
+  a.gradients.back() = scale * of.of_a.back();
+  b.gradients.back() = scale * of.of_b.back();
+  rows.add(a);
+  rows.add(b);
 }
 
 GearRows rows_of_gear(const GearJoint& gear, const MovingBody* records) {
   GearRows rows;
-  add_part(gear.parts[0], records, Real(1), rows);
-  add_part(gear.parts[1], records, gear.ratio, rows);
-  rows.find_mobility();
+  rows.errors.back() = (gear.coordinates[0] + gear.model->ratio * gear.coordinates[1]) - gear.model->constant;
+  add_part(gear.parts[0], 0, records, Real(1), rows);
+  add_part(gear.parts[1], 1, records, gear.ratio, rows);
+  rows.find_push();
   return rows;
 }
 
@@ -234,14 +256,16 @@ void find_gear_torques(const SolvedSet& solved, std::vector<BodyTorque>& torques
   for (std::uint32_t i = 0; i < state.joints.size(); ++i) {
     const JointModel& joint = solved.model.joints[state.joints[i].joint];
     if (joint.gear == no_gear || !is_of_set(solved, solved.model.gears[joint.gear])) continue;
-    const Vec2 forces = state.joints[i].linear_force;  // on the two coordinates
-    for (std::size_t k = 0; k < 2; ++k) {
-      const JointWork part = make_part(solved, solved.model.gears[joint.gear].joints[k], {});
-      const GearPart of = part_of(part, solved.bodies.records.data());
-      const Real force = absolute(k == 0 ? forces.x : forces.y) * length(of.push_a.linear);
+    GearJoint gear{};
+    gear.model = &solved.model.gears[joint.gear];
+    gear.parts = {make_part(solved, gear.model->joints[0], {}), make_part(solved, gear.model->joints[1], {})};
+    gear.ratio = joint.ratio;
+    const GearRows rows = rows_of_gear(gear, solved.bodies.records.data());
+    const Real force = absolute(state.joints[i].linear_force.x);
+    for (std::size_t k = 0; k < rows.count; ++k) {
+      const GearBody& body = rows.bodies[k];
       // Bodies that joints do not turn may be the dummy body, which has no torque.
-      if (part.inv_inertia_b > 0) torques.push_back({part.read_b, force * length(of.arm_b)});
-      if (part.inv_inertia_a > 0) torques.push_back({part.read_a, force * length(of.arm_a)});
+      if (body.inv_inertia > 0) torques.push_back({body.record, force * length(body.push.linear) * body.arm});
     }
   }
 }
@@ -288,11 +312,9 @@ void solve_all_gears(const SolvedSet& solved, std::vector<GearJoint>& gears, Bia
       gear.impulse = 0;
       continue;
     }
-    const GearModel& model = *gear.model;
-    const double error = (gear.coordinates[0] + model.ratio * gear.coordinates[1]) - model.constant;
     const Softness soft = softness(gear.parts[0], bias);
-    const Real wanted =
-        soft.mass_scale * (rows.speed(records) + soft.bias_rate * static_cast<Real>(error)) / rows.mobility;
+    const Real wanted = soft.mass_scale *
+                        (rows.speed(records) + soft.bias_rate * static_cast<Real>(rows.errors.back())) / rows.mobility;
     const Real change = -wanted - soft.impulse_scale * gear.impulse;
     gear.impulse += change;
     rows.apply(records, change);

@@ -376,6 +376,56 @@ TEST_CASE("a gear whose parts cancel does nothing", "[engine][joints][gear][cons
   }
 }
 
+TEST_CASE("sliders that share a light body far from an anchor are in mesh", "[engine][joints][gear][analytic]") {
+  // Joint 0 slides disc 1 along disc 0, joint 1 slides disc 0 along an axis of the world 90 m away.
+  const auto far_sliders = [](Precision precision) {
+    Scene scene = empty_scene(precision);
+    scene.gravity = {0, 0};
+    scene.settings.substeps = 64;
+    scene.bodies = {bob({0, 0}, 0.01, 2e-5), bob({-0.125, 0}, 0.01, 2e-5), peg({-64, 64})};
+    scene.joints = {joint_of(JointKind::prismatic, 1, 0), joint_of(JointKind::prismatic, 0, 2), gear_of(1, 0, 3)};
+    scene.joints[0].anchor_a = {0.0625, 0};
+    scene.joints[0].anchor_b = {-0.0625, 0};
+    scene.joints[0].axis = {0, 1};
+    scene.joints[1].anchor_a = {-64, 64};
+    scene.joints[1].axis = {1, 0};
+    return scene;
+  };
+  for (const auto& precision : engine::precisions) {
+    CAPTURE(precision.name);
+    {
+      const double rounding = precision.kind == Precision::f32 ? 1e-4 : 1e-9;
+      Scene scene = far_sliders(precision.kind);
+      scene.bodies[0].velocity = {1, 0};
+      scene.bodies[1].velocity = {1, -0.3};
+      const auto engine = make_engine_or_fail(scene);
+      run_ticks(*engine, 15);
+      // The mesh asks for v_x = -3 v_y of disc 1. Masses of .02 kg along x and of .01 kg along y meet it with equal
+      // impulses along (1, 3): v_x = 18.9 / 19 m/s.
+      const auto bodies = engine->bodies();
+      CHECK(bodies[1].velocity.x == Approx(18.9 / 19).epsilon(rounding));
+      CHECK(bodies[1].velocity.y == Approx(-6.3 / 19).epsilon(rounding));
+      CHECK(gear_coordinate(*engine, 0, 0) + 3 * gear_coordinate(*engine, 0, 1) == Approx(0).margin(rounding));
+    }
+    {
+      // A third disc is welded to both: nothing can slide, against a motor.
+      Scene scene = far_sliders(precision.kind);
+      scene.joints[1].motor = engine::JointMotor{-1, 1e5};
+      scene.bodies.push_back(bob({-0.0625, -0.1}, 0.01, 2e-5));
+      for (const std::uint32_t other : {1u, 0u}) {
+        const double side = other == 1 ? -1 : 1;
+        Joint weld = joint_of(JointKind::weld, 3, other);
+        weld.anchor_a = {side * 0.03125, 0.05};
+        weld.anchor_b = {-side * 0.03125, -0.05};
+        scene.joints.push_back(weld);
+      }
+      const auto engine = make_engine_or_fail(scene);
+      run_ticks(*engine, 15);
+      for (const BodyReport& body : engine->bodies()) CHECK(std::hypot(body.velocity.x, body.velocity.y) < 2);
+    }
+  }
+}
+
 TEST_CASE("a kinematic carrier turns a planet wheel on a fixed sun", "[engine][joints][gear][analytic]") {
   // Sun and planet have 2 : 1 teeth: seen from the carrier, w_planet - w = -2 (w_sun - w).
   Scene scene = empty_scene();

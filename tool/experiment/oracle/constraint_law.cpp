@@ -36,6 +36,7 @@ constexpr double short_pulley_side = 0.01;  // of its length; the engine leaves 
 constexpr double load_factor = 2;    // loads are sampled at the end of a tick
 constexpr double seen_ticks = 3;     // until an overlap is a contact, is pushed, and is looked at
 constexpr double jump_share = 0.25;  // of the smaller size: an overlap on another side
+constexpr double same_way = 0.9;     // cosine of two normals along which a load presses both contacts in
 
 struct SoftLaw {
   double omega = 0;      // 1/s: a load F yields F / (m omega^2)
@@ -105,6 +106,7 @@ struct Offence {
   double least = 0;     // m: what does not matter
   double rate = 0;      // 1/s, of the bias
   double jump = 0;      // m: beyond this growth in a tick, the overlap is a new one
+  Point normal;         // of a contact
   bool is_explained = false;
 };
 
@@ -247,6 +249,28 @@ double moved_within(const TickView& view, const ContactReport& contact, int poin
   return std::max(slid, std::min(at_end, most)) + std::min(rolled, most);
 }
 
+bool is_explained_by_load(const Offence& offence) {
+  return offence.breach.error <= offence.breach.tolerance + offence.breach.yielded ||
+         offence.breach.yielded >= push_speed / offence.rate;
+}
+
+/// The deepest point of two bodies carries the load, and may leave none to the other ones. What the load explains there
+/// explains points that are less deep the same way.
+void explain_by_deepest(std::vector<Offence>& list) {
+  std::map<std::pair<std::uint32_t, std::uint32_t>, const Offence*> deepest;
+  for (const Offence& offence : list) {
+    if (!is_explained_by_load(offence)) continue;
+    const Offence*& most = deepest[offence.key];
+    if (!most || offence.breach.error > most->breach.error) most = &offence;
+  }
+  for (Offence& offence : list) {
+    const auto found = deepest.find(offence.key);
+    if (found == deepest.end() || found->second->breach.error < offence.breach.error) continue;
+    const Point& normal = found->second->normal;
+    offence.is_explained |= normal.x * offence.normal.x + normal.y * offence.normal.y > same_way;
+  }
+}
+
 /// Contact points that are off, and the speed at which contacts push each body.
 std::vector<Offence> contact_offences(const TickView& view, const std::vector<std::uint8_t>& is_crushed,
                                       std::vector<double>& pushed) {
@@ -284,6 +308,7 @@ std::vector<Offence> contact_offences(const TickView& view, const std::vector<st
       offence.breach.error = overlap;
       offence.breach.tolerance = tolerance;
       offence.breach.yielded = load_factor * contact.normal_force[i] * mobility / (law.omega * law.omega);
+      offence.normal = contact.normal;
       offence.push = std::min(law.bias_rate * overlap, push_speed);
       // A contact that pushes as hard as it can yields without bound. One that nothing could meet pushes all the same:
       // on joints, and it has its way among what is pushed out together.
@@ -298,6 +323,7 @@ std::vector<Offence> contact_offences(const TickView& view, const std::vector<st
       list.push_back(offence);
     }
   }
+  explain_by_deepest(list);
   return list;
 }
 
