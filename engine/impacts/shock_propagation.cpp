@@ -28,7 +28,7 @@ Real closing_now(const SolvedSet& solved, const RestingImpact& impact) {
 }
 
 bool is_in(const SolvedSet& solved, const RestingImpact& impact) {
-  return solved.has_body(solved.tick.contact_pairs[impact.contact].body_a);
+  return solved.has_body(impact.body);
 }
 
 }  // namespace

@@ -21,6 +21,7 @@ struct Support {
   Real compliance;          // m/N at four substeps
   Real force;               // N, of the last tick; 0 where loads are not measured
   Real arm, other_arm;      // of a joint, from the two centres of mass, m; of a contact 0
+  Vec2 normal;              // of a contact: unit, towards the other body; of a joint: from centre to centre, m
   Vec2 middle;              // of a contact or a joint's anchor, from the body's centre of mass, m
   Real half_width2;         // of a contact with two points, m^2; otherwise 0
   Real angular_compliance;  // of a contact with two points or a rigid weld, rad/(N m) at four substeps; otherwise 0
@@ -54,6 +55,7 @@ inline constexpr Real resting_impact_share = Real(0.05);
 /// A contact that hits a body at rest in this tick.
 struct RestingImpact {
   std::uint32_t contact;  // in TickLists::contact_pairs
+  std::uint32_t body;     // a dynamic one of the pair
   Real closing;           // m/s, before the pass
   Real allowed;           // m, the allowed motion of the bodies meanwhile
 };

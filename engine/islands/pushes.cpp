@@ -1,10 +1,13 @@
-// The loads of what kinematic bodies push before them.
+// The loads of what kinematic bodies and known forces push before them.
 // SPDX-License-Identifier: MIT
 //
 // A plate that pushes a row over a floor loads the row. The load is the friction of all that is ahead, the known forces
 // on it, and what brings it to the speed of the plate. Weights do not show these loads, and measured loads show them
-// late: the first bodies overlap meanwhile, and the substeps that are added then push them apart.
+// late: the first bodies overlap meanwhile, and the substeps that are added then push them apart. So it is with a row
+// that a force presses against a wall or against another force.
 #include "engine/islands/pushes.h"
+
+#include <algorithm>
 
 #include "engine/islands/supports.h"
 #include "engine/math/trig.h"
@@ -76,7 +79,112 @@ void add_loads(const Model& model, const State& state, IslandWork& work, std::ui
   }
 }
 
+/// Calls `use` with each support of a body that is within 45 degrees of the direction.
+template <typename Use>
+void for_each_ahead(const IslandWork& work, std::uint32_t row, Vec2 ahead, Use use) {
+  for (const Support& support : supports_of(work, row))
+    if (dot(support.normal, ahead) > absolute(cross(support.normal, ahead))) use(support);
+}
+
+/// Lists the bodies whose known forces act within 45 degrees of the direction, and all bodies ahead of them, from the
+/// hindmost to the foremost: work.pushed, with their own forces as loads.
+void list_pressed(const State& state, IslandWork& work, std::uint32_t first, Vec2 ahead) {
+  work.pushed_by.assign(state.bodies.size(), not_pushed);
+  work.pushes.load.assign(state.bodies.size(), 0);
+  work.pushed.clear();
+  const auto add = [&](std::uint32_t row) {
+    if (!is_dynamic(work, row) || work.pushed_by[row] != not_pushed) return;
+    work.pushed_by[row] = row;
+    work.pushed.push_back(row);
+  };
+  for (const std::uint32_t row : work.awake_rows) {
+    const Vec2 press = work.press[row];
+    if (row < first || work.press_is_done[row] != 0 || !(dot(press, ahead) > absolute(cross(press, ahead)))) continue;
+    work.press_is_done[row] = 1;
+    work.pushes.load[row] = dot(press, ahead);
+    add(row);
+  }
+  for (std::size_t i = 0; i < work.pushed.size(); ++i)
+    for_each_ahead(work, work.pushed[i], ahead, [&](const Support& support) { add(support.other); });
+  std::sort(work.pushed.begin(), work.pushed.end(), [&](std::uint32_t a, std::uint32_t b) {
+    const Real way_a = dot(state.bodies[a].position, ahead);
+    const Real way_b = dot(state.bodies[b].position, ahead);
+    return way_a < way_b || (way_a == way_b && a < b);
+  });
+}
+
+/// Finds what each listed body can push back with: friction, weight, known forces, and what it takes to keep up with
+/// the others. Immovable bodies push back with any force.
+void find_resistances(const Model& model, const State& state, const TickLists& tick, IslandWork& work, Vec2 ahead) {
+  work.press_force.assign(state.bodies.size(), 0);
+  work.press_mass.assign(state.bodies.size(), 0);
+  const auto mass_of = [&](std::uint32_t row) { return model.bodies[state.bodies[row].source].mass; };
+  for (const std::uint32_t row : work.pushed) {
+    work.press_force[tick.island[row]] += work.pushes.load[row];
+    work.press_mass[tick.island[row]] += mass_of(row);
+  }
+  const Real down = dot(state.world.gravity, ahead);
+  const Real across = absolute(cross(state.world.gravity, ahead));
+  for (std::size_t i = work.pushed.size(); i-- > 0;) {
+    const std::uint32_t row = work.pushed[i];
+    const std::uint32_t root = tick.island[row];
+    const Real acceleration = work.press_force[root] / work.press_mass[root];
+    Real most = mass_of(row) * (acceleration + work.friction[row] * across + larger(-down, 0)) +
+                larger(-dot(work.press[row], ahead), 0);
+    for_each_ahead(work, row, ahead, [&](const Support& support) {
+      most += is_dynamic(work, support.other) ? work.resistance[support.other] : work.press_force[root];
+    });
+    work.resistance[row] = most;
+  }
+}
+
+/// Passes the loads on from the hindmost body to the foremost, in equal shares, and adds up the errors.
+void pass_loads(const Model& model, const State& state, IslandWork& work, Vec2 ahead) {
+  LoadEstimate& out = work.pushes;
+  std::vector<Real>& error = work.press_error;
+  error.assign(state.bodies.size(), 0);
+  const auto size_of = [&](std::uint32_t row) { return model.bodies[state.bodies[row].source].size; };
+  for (const std::uint32_t row : work.pushed) {
+    int count = 0;
+    for_each_ahead(work, row, ahead, [&](const Support&) { ++count; });
+    for_each_ahead(work, row, ahead, [&](const Support& support) {
+      const bool both_move = is_dynamic(work, support.other);
+      const std::uint32_t to = both_move ? support.other : row;
+      const Real share = out.load[row] / static_cast<Real>(count);
+      const Real force = both_move ? smaller(share, work.resistance[to]) : share;
+      const Real compression = force * support.compliance;
+      const Real size = both_move ? smaller(size_of(row), size_of(to)) : size_of(row);
+      if (both_move) out.load[to] += force;
+      if (both_move) error[to] = larger(error[to], error[row] + compression);
+      out.position_error[to] = larger(out.position_error[to], error[row] + compression);
+      if (size > 0) out.local_error[to] = larger(out.local_error[to], compression / size);
+    });
+  }
+}
+
 }  // namespace
+
+bool estimate_presses(const Model& model, const State& state, const TickLists& tick, IslandWork& work) {
+  bool is_any = false;
+  for (const std::uint32_t row : work.awake_rows) {
+    const Vec2 press = work.press[row];
+    if (!(length(press) > 0) || supports_of(work, row).empty()) continue;
+    if (!is_any) {
+      find_frictions(state, tick, work);
+      work.pushes.position_error.assign(state.bodies.size(), 0);
+      work.pushes.local_error.assign(state.bodies.size(), 0);
+      work.press_is_done.assign(state.bodies.size(), 0);
+      work.resistance.assign(state.bodies.size(), 0);
+      is_any = true;
+    }
+    if (work.press_is_done[row] != 0) continue;
+    const Vec2 ahead = (1 / length(press)) * press;
+    list_pressed(state, work, row, ahead);
+    find_resistances(model, state, tick, work, ahead);
+    pass_loads(model, state, work, ahead);
+  }
+  return is_any;
+}
 
 bool estimate_pushes(const Model& model, const State& state, const TickLists& tick, IslandWork& work, Real dt) {
   bool is_any = false;

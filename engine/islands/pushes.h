@@ -1,4 +1,4 @@
-// The loads of what kinematic bodies push before them.
+// The loads of what kinematic bodies and known forces push before them.
 // SPDX-License-Identifier: MIT
 #pragma once
 
@@ -9,5 +9,9 @@ namespace ticktrue::engine::TICKTRUE_PRECISION {
 /// Estimates the loads and errors of bodies that moving kinematic bodies push: work.pushes. False: nothing is pushed,
 /// and work.pushes is as before. Requires: list_supports, work.known_force. `dt`: s, of the tick.
 bool estimate_pushes(const Model& model, const State& state, const TickLists& tick, IslandWork& work, Real dt);
+
+/// Estimates the loads and errors of bodies that known forces press together: work.pushes. False: there are none, and
+/// work.pushes is as before. Requires: as estimate_pushes, and work.press.
+bool estimate_presses(const Model& model, const State& state, const TickLists& tick, IslandWork& work);
 
 }  // namespace ticktrue::engine::TICKTRUE_PRECISION

@@ -28,6 +28,11 @@ bool hits_resting_body(const Model& model, const State& state, const TickLists& 
   return false;
 }
 
+/// Whether a body may hit others: a dynamic body, or a kinematic one that moves.
+bool may_hit(const State& state, const IslandWork& work, std::uint32_t row) {
+  return is_dynamic(work, row) || (work.body_types[row] == BodyType::kinematic_body && is_moving(state.bodies[row]));
+}
+
 }  // namespace
 
 void find_resting_impacts(const Model& model, const State& state, TickLists& tick, const IslandWork& work, Real dt) {
@@ -35,15 +40,20 @@ void find_resting_impacts(const Model& model, const State& state, TickLists& tic
   for (const std::uint32_t contact : work.awake_contacts) {
     const ContactPair& pair = tick.contact_pairs[contact];
     if (!(tick.load[pair.body_a] > 0 || tick.load[pair.body_b] > 0)) continue;
-    if (!is_dynamic(work, pair.body_a) || !is_dynamic(work, pair.body_b)) continue;
-    const std::uint32_t root = tick.island[pair.body_a];
+    if (!may_hit(state, work, pair.body_a) || !may_hit(state, work, pair.body_b)) continue;
+    const std::uint32_t body = is_dynamic(work, pair.body_a) ? pair.body_a : pair.body_b;
+    const bool both_move = is_dynamic(work, pair.body_a) && is_dynamic(work, pair.body_b);
+    const std::uint32_t root = tick.island[body];
     const Real closing = closing_speed(pair, state.bodies[pair.body_a], state.bodies[pair.body_b]);
     const Real h = dt / static_cast<Real>(tick.island_level[root]);
-    const Real allowed = target * pair.size;
+    // Nothing slows down a kinematic body. What it hits goes on to be pushed for the whole tick.
+    const Real parts = both_move ? Real(1) : static_cast<Real>(tick.island_level[root]);
+    const Real allowed = target * pair.size / parts;
     const Real least = resting_impact_share * allowed;
     if (!(closing * h > least)) continue;
-    if (has_budget(model) && !hits_resting_body(model, state, tick, pair, h, least)) continue;
-    tick.resting_impacts.push_back({contact, closing, allowed});
+    const bool must_rest = has_budget(model) || !both_move;
+    if (must_rest && !hits_resting_body(model, state, tick, pair, h, least)) continue;
+    tick.resting_impacts.push_back({contact, body, closing, allowed});
     tick.island_has_resting_impact[root] = 1;
   }
   leave_out_joined(state, tick);

@@ -5,6 +5,7 @@
 #include <algorithm>
 
 #include "base/limits.h"
+#include "engine/integrators/forces.h"
 #include "engine/islands/islands.h"
 #include "engine/islands/pushes.h"
 #include "engine/islands/substep_budget.h"
@@ -53,16 +54,26 @@ Real own_load(const Model& model, const State& state, const IslandWork& work, st
   return work.known_force.empty() ? own : own + work.known_force[row];
 }
 
+/// A force and its direction.
+struct KnownForce {
+  Real size;   // N
+  Vec2 along;  // unit; 0 without a force
+};
+
 /// The force of a pointer on its body, if something holds the body back: that of the spring at its present length, at
 /// most the largest force.
-Real pointer_force(const Model& model, const State& state, const PointerRow& pointer) {
+KnownForce pointer_force(const Model& model, const State& state, const PointerRow& pointer) {
   const PointerSettings& settings = *model.scene.pointer;
   const BodyRow& body = state.bodies[row_of(state, pointer.body)];
   const Real mass = model.bodies[body.source].mass;
   const Vec2 point = body.position + rotate(body.rotation, pointer.anchor);
   const Real rate = Real(2 * pi) * static_cast<Real>(settings.hertz);
-  const Real wanted = (mass * rate * rate) * length(pointer.target - point);
-  return smaller(larger(wanted, length(pointer.force)), static_cast<Real>(settings.force_max_per_kg) * mass);
+  const Vec2 way = pointer.target - point;
+  const Real distance = length(way);
+  const Real wanted = (mass * rate * rate) * distance;
+  const Real now = length(pointer.force);
+  const Vec2 along = wanted > now ? (1 / distance) * way : now > 0 ? (1 / now) * pointer.force : Vec2{};
+  return {smaller(larger(wanted, now), static_cast<Real>(settings.force_max_per_kg) * mass), along};
 }
 
 /// The force of dampings and drags on a body at its present velocity.
@@ -73,18 +84,55 @@ Real drag_force(const Model& model, const BodyRow& body) {
   return constants.mass * (constants.linear_damping + quadratic * speed) * speed;
 }
 
+/// Adds the forces of central forces and springs at the present positions.
+void add_position_forces(const Model& model, const State& state, std::vector<Vec2>& force) {
+  const std::size_t count = state.bodies.size();
+  for (const CentralForce& central : model.centrals) {
+    const std::size_t first = central.every ? 0 : state.find_body(central.body);
+    const std::size_t end = central.every ? count : std::min(first + 1, count);
+    for (std::size_t row = first; row < end; ++row) {
+      const Vec2 r = state.bodies[row].position - central.center;
+      const Real distance = length(r);
+      if (!(distance > 0)) continue;
+      const Real mass = model.bodies[state.bodies[row].source].mass;
+      force[row] = force[row] - (mass * central.strength * power(distance, central.exponent - 1)) * r;
+    }
+  }
+  for (const SpringForce& spring : model.springs) {
+    const std::size_t a = state.find_body(spring.body);
+    const std::size_t b = spring.other == no_reference ? count : state.find_body(spring.other);
+    if (a == count || (b == count && spring.other != no_reference)) continue;
+    const auto point_of = [&](std::size_t row, Vec2 anchor) {
+      return state.bodies[row].position + rotate(state.bodies[row].rotation, anchor);
+    };
+    const Vec2 line = (b == count ? spring.point : point_of(b, spring.point)) - point_of(a, spring.anchor);
+    const Real distance = length(line);
+    if (!(distance > 0)) continue;
+    const Vec2 pull = (spring.stiffness * (distance - spring.rest_length) / distance) * line;
+    force[a] = force[a] + pull;
+    if (b != count) force[b] = force[b] - pull;
+  }
+}
+
 /// Finds the forces on each body that are known before the tick: of elements, of inputs, of pointers, of dampings, and
 /// of motors along an axis. A motor far from its speed has its largest force, another motor the force of the last tick.
 void find_known_forces(const Model& model, const State& state, const TickLists& tick, IslandWork& work) {
   work.known_force.assign(state.bodies.size(), 0);
+  work.press.assign(state.bodies.size(), {0, 0});
+  add_position_forces(model, state, work.press);
   for (const std::uint32_t row : work.support_order) {
     const std::uint32_t source = state.bodies[row].source;
-    Vec2 force = tick.force.empty() ? Vec2{} : tick.force[row];
+    Vec2& force = work.press[row];
+    if (!tick.force.empty()) force = force + tick.force[row];
     if (!model.body_forces.empty()) force = force + model.bodies[source].mass * model.body_forces[source].acceleration;
     work.known_force[row] = length(force) + drag_force(model, state.bodies[row]);
   }
-  for (const PointerRow& pointer : state.pointers)
-    work.known_force[row_of(state, pointer.body)] += pointer_force(model, state, pointer);
+  for (const PointerRow& pointer : state.pointers) {
+    const std::uint32_t row = row_of(state, pointer.body);
+    const KnownForce force = pointer_force(model, state, pointer);
+    work.known_force[row] += force.size;
+    work.press[row] = work.press[row] + force.size * force.along;
+  }
   for (const JointRow& joint : state.joints) {
     if (!slides(joint)) continue;
     const std::uint32_t a = row_of(state, joint.body_a);
@@ -94,6 +142,11 @@ void find_known_forces(const Model& model, const State& state, const TickLists& 
     const Real force = is_slow ? joint.motor_force_max : absolute(joint.motor_force);
     work.known_force[a] += force;
     work.known_force[b] += force;
+    if (joint.kind != static_cast<std::uint32_t>(JointKind::prismatic)) continue;  // the motor of a wheel turns it
+    const Real along = is_slow && joint.motor_speed < 0 ? -force : is_slow ? force : joint.motor_force;
+    const Vec2 push = along * rotate(state.bodies[a].rotation, model.joints[joint.joint].axis);
+    work.press[a] = work.press[a] - push;
+    work.press[b] = work.press[b] + push;
   }
 }
 
@@ -417,6 +470,8 @@ void estimate_needs(const Model& model, State& state, TickLists& tick, IslandWor
     raise_by_measured_loads(model, state, tick, work, dt, level);
   }
   if (is_measured && estimate_pushes(model, state, tick, work, dt))
+    raise_levels(model, state, tick, work, work.pushes, level);
+  if (is_measured && estimate_presses(model, state, tick, work))
     raise_levels(model, state, tick, work, work.pushes, level);
   const auto most = static_cast<std::uint32_t>(settings.auto_substeps->substeps_max);
   const auto turn_of = [&](std::uint32_t row) { return absolute(state.bodies[row].angular_velocity); };

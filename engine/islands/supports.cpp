@@ -95,9 +95,11 @@ void list_supports(const Model& model, const State& state, TickLists& tick, Isla
     const Real half_width2 = length_squared(Real(0.5) * (q.anchor_a - p.anchor_a));
     const Real angular_compliance = half_width2 > 0 ? compliance / half_width2 : Real(0);
     work.supports[start[pair.body_a + 1]++] = {
-        pair.body_b, compliance, force, 0, 0, Real(0.5) * (p.anchor_a + q.anchor_a), half_width2, angular_compliance};
+        pair.body_b, compliance,        force, 0, 0, pair.manifold.normal, Real(0.5) * (p.anchor_a + q.anchor_a),
+        half_width2, angular_compliance};
     work.supports[start[pair.body_b + 1]++] = {
-        pair.body_a, compliance, force, 0, 0, Real(0.5) * (p.anchor_b + q.anchor_b), half_width2, angular_compliance};
+        pair.body_a, compliance,        force, 0, 0, -pair.manifold.normal, Real(0.5) * (p.anchor_b + q.anchor_b),
+        half_width2, angular_compliance};
   }
   for (std::size_t i = 0; i < state.joints.size(); ++i) {
     const JointRow& joint = state.joints[i];
@@ -113,8 +115,9 @@ void list_supports(const Model& model, const State& state, TickLists& tick, Isla
     const Vec2 anchor_a = rotate(state.bodies[a].rotation, constants.anchor_a);
     const Vec2 anchor_b = rotate(state.bodies[b].rotation, constants.anchor_b);
     const Real angular_compliance = is_direct ? Real(0) : joint_angular_compliance(model, state, constants, a, b, h);
-    work.supports[start[a + 1]++] = {b, compliance, force, arm_a, arm_b, anchor_a, 0, angular_compliance};
-    work.supports[start[b + 1]++] = {a, compliance, force, arm_b, arm_a, anchor_b, 0, angular_compliance};
+    const Vec2 between = state.bodies[b].position - state.bodies[a].position;
+    work.supports[start[a + 1]++] = {b, compliance, force, arm_a, arm_b, between, anchor_a, 0, angular_compliance};
+    work.supports[start[b + 1]++] = {a, compliance, force, arm_b, arm_a, -between, anchor_b, 0, angular_compliance};
   }
 }
 

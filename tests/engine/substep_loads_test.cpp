@@ -105,6 +105,47 @@ double squeeze_before_plate(int count, double force, Precision precision) {
   return start - gap();
 }
 
+// The most that a row of 1 kg boxes is ever shortened by, m: over a floor between a wall and a load that begins in
+// `first_tick`, or in empty space between two motors.
+double squeeze_of_row(int count, double force, Load load, bool floats, int first_tick, Precision precision) {
+  Scene scene = empty_scene(precision);
+  measure_loads(scene);
+  const auto last = static_cast<std::uint32_t>(count - 1);
+  for (int i = 0; i < count; ++i) scene.bodies.push_back(unit_box({i + 0.5, 0.5}));
+  if (floats) {
+    scene.gravity = {0, 0};
+  } else {
+    scene.bodies.push_back(body_of(box_shape(1, 10), {-1, 5}, BodyType::static_body));
+    scene.bodies.push_back(body_of(box_shape(100, 1), {0, -1}, BodyType::static_body));
+  }
+  Input push;
+  push.kind = engine::InputKind::force;
+  push.body = last;
+  push.values = {-force, 0};
+  if (load == Load::input) scene.inputs = {engine::InputKind::force};
+  if (load == Load::ram) {
+    const auto add_ram = [&](std::uint32_t body, double way) {
+      scene.bodies.push_back(peg({scene.bodies[body].position.x - 20 * way, 0.5}));
+      Joint ram = joint_of(JointKind::prismatic, static_cast<std::uint32_t>(scene.bodies.size() - 1), body);
+      ram.axis = {way, 0};
+      ram.anchor_a = {20 * way, 0};
+      ram.motor = engine::JointMotor{10, force};
+      scene.joints.push_back(ram);
+    };
+    add_ram(last, -1);
+    if (floats) add_ram(0, 1);
+  }
+  const auto engine = make_engine_or_fail(scene);
+  double most = 0;
+  for (int i = 0; i < first_tick + 120; ++i) {
+    Bytes bytes;
+    if (load == Load::input && i >= first_tick) engine::encode_inputs(std::vector<Input>{push}, bytes);
+    REQUIRE(engine->step({scene.settings.dt, bytes}, nullptr));
+    most = std::fmax(most, count - 1 - (engine->bodies()[last].center.x - engine->bodies()[0].center.x));
+  }
+  return most;
+}
+
 double kinetic_energy(const Engine& engine) {
   double energy = 0;
   for (const BodyReport& body : engine.bodies())
@@ -267,6 +308,20 @@ TEST_CASE("a stack is squeezed by forces at most 1.2 times as much as by the sam
       }
 }
 
+TEST_CASE("rows over a floor and in empty space are squeezed by forces at most 1.2 times as much as by the same weight",
+          "[engine][islands][analytic]") {
+  for (const Precision precision : {Precision::f32, Precision::f64})
+    for (const int count : {5, 20})
+      for (const double force : {1e3, 1e4}) {
+        const double by_weight = squeeze(count, force, Load::weight, precision);
+        CAPTURE(precision, count, force, by_weight);
+        CHECK(squeeze_of_row(count, force, Load::input, false, 0, precision) <= 1.2 * by_weight);
+        CHECK(squeeze_of_row(count, force, Load::input, false, 90, precision) <= 1.2 * by_weight);
+        CHECK(squeeze_of_row(count, force, Load::ram, false, 0, precision) <= 1.2 * by_weight);
+        CHECK(squeeze_of_row(count, force, Load::ram, true, 0, precision) <= 1.2 * by_weight);
+      }
+}
+
 TEST_CASE("a row is squeezed before a plate at most 1.2 times as much as by the same weight",
           "[engine][islands][analytic]") {
   for (const Precision precision : {Precision::f32, Precision::f64})
@@ -276,6 +331,29 @@ TEST_CASE("a row is squeezed before a plate at most 1.2 times as much as by the 
         CAPTURE(precision, count, force, by_weight);
         CHECK(squeeze_before_plate(count, force, precision) <= 1.2 * by_weight);
       }
+}
+
+TEST_CASE("a plate that begins to push a row at rest or to lift a stack throws no body", "[engine][islands]") {
+  for (const Precision precision : {Precision::f32, Precision::f64})
+    for (const int count : {2, 5, 10, 20}) {
+      CAPTURE(precision, count);
+      Scene row = pushed_row(count, 1, precision);
+      for (std::size_t i = 1; i < row.bodies.size(); ++i) row.bodies[i].velocity = {0, 0};
+      Scene stack = stack_scene(count, 0, precision);
+      measure_loads(stack);
+      stack.bodies[0].type = BodyType::kinematic_body;
+      stack.bodies[0].velocity = {0, 1};
+      for (Scene* scene : {&row, &stack}) {
+        scene->settings.substep_budget = 160;
+        const auto engine = make_engine_or_fail(*scene);
+        double speed = 0;
+        for (int i = 0; i < 30; ++i) {
+          run_ticks(*engine, 1);
+          speed = std::fmax(speed, largest_speed(*engine));
+        }
+        CHECK(speed < 1.05);
+      }
+    }
 }
 
 TEST_CASE("a plate that pushes a row over a floor throws no body", "[engine][islands]") {
