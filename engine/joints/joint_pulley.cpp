@@ -104,8 +104,30 @@ void warm_start_pulley(const JointWork& joint, JointBodies& pair) {
   pulley_row(joint, pair).apply(joint, pair, joint.impulses.linear.x);
 }
 
+/// Whether a side with a direction reaches its ground anchor within the substep, and the other side leaves no more of
+/// the rope than a side without a direction. `moved`: the body with the velocity that the row gives it.
+bool is_at_anchor(const RopeSide& side, const MovingBody& moved, Real has_direction, Real left, Real shortest, Real h) {
+  if (left > shortest || !(has_direction > 0)) return false;
+  return h * length(moved.velocity + cross(moved.angular_velocity, side.arm)) > side.length;
+}
+
+/// Stops a side at its ground anchor: a heavy body would throw a light one past it in every substep, and the rope would
+/// be as soft as the light one. The row then moves the other body alone. Returns the speed of the side.
+Real stop_at_anchor(RopeSide& side, MovingBody& body, Real inv_mass, Real inv_inertia, Real h) {
+  const Real speed = -(side.length / h);
+  const Vec2 missing = speed * side.axis - (body.velocity + cross(body.angular_velocity, side.arm));
+  const Real turned = inv_inertia * dot(side.arm, side.arm);
+  const Real held = inv_inertia * dot(missing, side.arm) / inv_mass;
+  const Vec2 impulse = (1 / (inv_mass + turned)) * (missing + held * side.arm);
+  body.velocity = body.velocity + inv_mass * impulse;
+  body.angular_velocity += inv_inertia * cross(side.arm, impulse);
+  side.axis = {0, 0};
+  side.lever = side.mobility = 0;
+  return speed;
+}
+
 void solve_pulley(JointWork& joint, JointBodies& pair, Real h, Bias bias) {
-  const PulleyRow row = pulley_row(joint, pair);
+  PulleyRow row = pulley_row(joint, pair);
   const Real error = (row.a.length + row.ratio * row.b.length) - joint.model->length;
   Real lengthening = 0;
   if (corrects(bias)) {
@@ -114,7 +136,26 @@ void solve_pulley(JointWork& joint, JointBodies& pair, Real h, Bias bias) {
         lengthening_rate(row.a, pair.a, joint.inv_mass_a, joint.inv_inertia_a, row.mobility, h) +
         row.ratio * lengthening_rate(row.b, pair.b, joint.inv_mass_b, joint.inv_inertia_b, row.mobility / ratio2, h);
   }
-  solve_rigid(joint, row, pair, error, softness(joint, bias), joint.impulses.linear.x, lengthening);
+  const Softness soft = softness(joint, bias);
+  const Real before = joint.impulses.linear.x;
+  JointBodies moved = pair;
+  solve_rigid(joint, row, moved, error, soft, joint.impulses.linear.x, lengthening);
+  const Real whole = joint.model->length;
+  const Real shortest = shortest_share * whole;
+  const bool both_move = joint.inv_mass_a > 0 && joint.inv_mass_b > 0;
+  const bool a_stops =
+      both_move && is_at_anchor(row.a, moved.a, joint.axis.x, whole - row.ratio * row.b.length, shortest, h);
+  const bool b_stops =
+      both_move && !a_stops && is_at_anchor(row.b, moved.b, joint.axis.y, whole - row.a.length, shortest, h);
+  if (a_stops || b_stops) {
+    const Real speed = a_stops ? stop_at_anchor(row.a, pair.a, joint.inv_mass_a, joint.inv_inertia_a, h)
+                               : row.ratio * stop_at_anchor(row.b, pair.b, joint.inv_mass_b, joint.inv_inertia_b, h);
+    row.mobility = row.a.mobility + row.ratio * row.ratio * row.b.mobility;
+    joint.impulses.linear.x = before;
+    solve_rigid(joint, row, pair, error, soft, joint.impulses.linear.x, speed);
+  } else {
+    pair = moved;
+  }
   joint.impulses.linear.y = row.ratio * joint.impulses.linear.x;
 }
 

@@ -369,6 +369,15 @@ bool has_impulses(const DirectIsland& island) {
   return false;
 }
 
+double largest_gap(const DirectIsland& island) {
+  double most = 0;
+  for (const DirectJoint& joint : island.joints)
+    for (std::size_t row = 0; row < joint.equations.rigid_count; ++row)
+      if (joint.can_move[row] && magnitude(joint.equations.errors[row]) > most)
+        most = magnitude(joint.equations.errors[row]);
+  return most;
+}
+
 bool raise_inertias(DirectIsland& island, double h) {
   std::vector<double>& angular_impulses = island.angular_impulses;
   angular_impulses.assign(island.moving_count, 0);
@@ -413,12 +422,7 @@ namespace {
 void choose_push(DirectIsland& island, double h) {
   island.push.clear();
   island.push_share = 1;
-  double most = 0;
-  for (const DirectJoint& joint : island.joints)
-    for (std::size_t row = 0; row < joint.equations.rigid_count; ++row)
-      if (joint.can_move[row] && magnitude(joint.equations.errors[row]) > most)
-        most = magnitude(joint.equations.errors[row]);
-  if (most <= gap_of_rounding) return;
+  if (largest_gap(island) <= gap_of_rounding) return;
   set_residuals(island, [h](const DirectJoint& joint, std::size_t row) {
     return row < joint.equations.rigid_count ? taken_back(joint.equations.errors[row], h) / h : 0;
   });

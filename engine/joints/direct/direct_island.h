@@ -100,6 +100,8 @@ double drive_mobility(const DirectIsland& island, std::size_t joint, std::size_t
 
 /// Whether some joint has an impulse.
 bool has_impulses(const DirectIsland& island);
+/// The largest error of a rigid row that bodies can follow, m or rad. Requires: factor_island.
+double largest_gap(const DirectIsland& island);
 /// Raises inertias where impulses of joints rotate bodies faster than substeps can follow
 /// (engine/joints/joint_inertia.h). True: an inertia was raised. Requires: factor_island.
 bool raise_inertias(DirectIsland& island, double h);

@@ -22,6 +22,10 @@ constexpr int turn_count_of_touched = 2;
 /// joints then take back what they do not let move: of the push of a light link a turn keeps little.
 constexpr int turn_count_of_deep = 8;
 constexpr Real deep_overlap_share = Real(0.1);  // overlap over the size of the smaller shape
+/// The same from this share on if the joints have a gap: their push may press into the contact, and of two turns the
+/// contact's push keeps less than that.
+constexpr Real pressed_overlap_share = Real(0.02);
+constexpr double pressing_gap = 1e-3;  // m or rad
 
 Twist twist_of(const Triple& v) {
   return {{static_cast<Real>(v[0]), static_cast<Real>(v[1])}, static_cast<Real>(v[2])};
@@ -118,14 +122,20 @@ void load_poses(const SolvedSet& solved, const DirectComponent& component, Direc
   }
 }
 
+/// Requires: the islands of the set are filled.
 int find_turn_count(const SolvedSet& solved, const JointPlan& plan, const std::vector<MouseJoint>& mouse_joints,
-                    const DirectComponents& components) {
-  const auto is_direct = [&](std::uint32_t row) { return components.component_of(row) != DirectComponents::none; };
+                    const DirectWorkspace& work) {
+  const auto is_direct = [&](std::uint32_t row) { return work.components.component_of(row) != DirectComponents::none; };
+  const auto has_gap = [&](std::uint32_t row) {
+    return is_direct(row) && largest_gap(work.islands[work.components.component_of(row)].island) > pressing_gap;
+  };
   int turn_count = 1;
   for (const std::uint32_t contact : solved.contacts()) {
     const ContactPair& pair = solved.tick.contact_pairs[contact];
     if (!is_direct(pair.body_a) && !is_direct(pair.body_b)) continue;
     if (overlaps_by(pair, deep_overlap_share)) return turn_count_of_deep;
+    if (overlaps_by(pair, pressed_overlap_share) && (has_gap(pair.body_a) || has_gap(pair.body_b)))
+      return turn_count_of_deep;
     turn_count = turn_count_of_touched;
   }
   for (const JointPlace& place : plan.places())
@@ -203,9 +213,9 @@ void prepare_direct(const SolvedSet& solved, const JointPlan& plan, const std::v
   if (!work.solves_joints) return;
   list_set_components(solved, work);
   if (work.set_components.empty()) return;
-  work.turn_count = find_turn_count(solved, plan, mouse_joints, work.components);
   for_islands(solved, work,
               [&](const DirectComponent& component, DirectSetIsland& at) { fill_island(solved, component, at); });
+  work.turn_count = find_turn_count(solved, plan, mouse_joints, work);
 }
 
 void begin_direct_substep(const SolvedSet& solved, DirectWorkspace& work) {

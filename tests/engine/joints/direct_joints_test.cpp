@@ -521,6 +521,45 @@ TEST_CASE("a heavy plank that lies in jointed beads is pushed out", "[engine][jo
   CHECK(engine->bodies()[1].center.y > 0.748);
 }
 
+TEST_CASE("boxes that a slider turns into each other are pushed apart", "[engine][joints][direct][regression]") {
+  // The third box is .2 rad off the angle that its slider holds. The slider turns it into the first one, and took the
+  // contact's pushes back: in two turns the contact kept a third of each.
+  Scene scene = direct_scene(Precision::f64);
+  scene.gravity = {0, 0};
+  const auto box = [&](double half_x, double half_y, Point position, double angle) {
+    Body body = body_of(box_shape(half_x, half_y), position);
+    body.angle = angle;
+    scene.bodies.push_back(body);
+  };
+  box(0.125, 0.125, {-3.44, 2.94}, 1.51);
+  box(0.125, 0.125, {-3.47, 3.19}, 3.08);
+  box(0.115, 0.115, {-3.41, 3.21}, 0.43);
+  box(0.125, 0.1875, {-3.17, 2.46}, 0.23);
+  box(0.125, 0.125, {-2.63, 3.19}, 0.23);
+  scene.bodies[0].mass = engine::ExplicitMass{0.03, 0.0006, {}};
+  scene.bodies[1].mass = engine::ExplicitMass{0.63, 0.63 / 96, {}};
+  scene.bodies[4].mass = engine::ExplicitMass{0.5, 0.5 / 96, {}};
+  const auto slide = [&](JointKind kind, std::uint32_t a, Point anchor_a, Point anchor_b, Point axis) {
+    Joint joint = joint_of(kind, a, a + 1);
+    joint.anchor_a = anchor_a;
+    joint.anchor_b = anchor_b;
+    joint.axis = axis;
+    scene.joints.push_back(joint);
+  };
+  slide(JointKind::prismatic, 0, {0.12, 0}, {0, 0.12}, {0, 1});
+  slide(JointKind::wheel, 1, {0, -0.12}, {0, 0.12}, {4, -4});
+  slide(JointKind::prismatic, 2, {0, -0.12}, {-0.12, 0}, {1, 3});
+  slide(JointKind::prismatic, 3, {0.12, 0}, {-0.12, 0}, {3, 4});
+  scene.joints[0].reference_angle = engine::pi / 2;
+  scene.joints[0].limits = engine::Range{-0.0625, 0.0625};
+  const auto engine = make_engine_or_fail(scene);
+  run_ticks(*engine, 40);
+  double overlap = 0;
+  for (const engine::ContactReport& contact : engine->contacts())
+    for (int i = 0; i < contact.point_count; ++i) overlap = std::max(overlap, -contact.separation[i]);
+  CHECK(overlap < 0.008);
+}
+
 TEST_CASE("planks that turn on a corner of a chain keep their joints", "[engine][joints][direct][impacts]") {
   // The edge after the corner stopped the plank in most substeps, and the joints opened by 4 cm.
   struct Start {
