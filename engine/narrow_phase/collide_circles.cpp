@@ -48,8 +48,27 @@ Vec2 parting_direction(std::uint32_t id_a, std::uint32_t id_b) {
   return {static_cast<Real>(x / distance), static_cast<Real>(y / distance)};
 }
 
-Manifold collide_polygon_circle(const Model& model, const ShapeModel& a, const ShapeModel& b, const Placement& b_in_a,
-                                Real margin) {
+namespace {
+
+/// The ends of an edge v1, v2 that are closer to a circle than `margin`, or `nearest` if none is. Features: see below.
+Manifold between_ends(const Vec2 (&ends)[2], const std::uint32_t (&features)[2], Vec2 center, Real radius,
+                      const Manifold& nearest, Real margin) {
+  Manifold manifold;
+  manifold.normal = nearest.normal;
+  for (int i = 0; i < 2; ++i) {
+    const Real separation = length(center - ends[i]) - radius;
+    if (!(separation <= margin)) continue;
+    const Vec2 anchor = ends[i] + (Real(0.5) * separation) * nearest.normal;
+    manifold.points[manifold.point_count++] = {anchor, {}, separation, features[i]};
+  }
+  return manifold.point_count > 0 ? manifold : nearest;
+}
+
+/// may_lie: an edge from which the circle is nowhere farther than the slop while it touches both ends lies on them. Its
+/// closest point alone moves along the whole edge within a tick, and the edge would tip to and fro.
+template <bool may_lie>
+Manifold polygon_circle(const Model& model, const ShapeModel& a, const ShapeModel& b, const Placement& b_in_a,
+                        Real margin) {
   const Vec2 center = b_in_a.position + rotate(b_in_a.rotation, b.center);
   const Vec2* vertices = &model.vertices[a.first_vertex];
   const Vec2* normals = &model.normals[a.first_vertex];
@@ -67,10 +86,15 @@ Manifold collide_polygon_circle(const Model& model, const ShapeModel& a, const S
   const std::uint32_t next = edge + 1 < a.vertex_count ? edge + 1 : 0;
   const Vec2 v1 = vertices[edge];
   const Vec2 v2 = vertices[next];
+  const auto lying = [&](const Manifold& nearest) {
+    if (!may_lie || nearest.point_count == 0 || !(outside > 0)) return nearest;
+    if (length_squared(v2 - v1) > 8 * b.radius * linear_slop(pair_size(a, b))) return nearest;
+    return between_ends({v1, v2}, {16 + edge, 16 + next}, center, b.radius, nearest, margin);
+  };
   if (outside > 0) {
     // Beyond an end of the edge, the closest point is the vertex. Features 0..15 are edges, 16..31 vertices.
-    if (dot(center - v1, v2 - v1) < 0) return between_rounds(v1, 0, center, b.radius, margin, 16 + edge);
-    if (dot(center - v2, v1 - v2) < 0) return between_rounds(v2, 0, center, b.radius, margin, 16 + next);
+    if (dot(center - v1, v2 - v1) < 0) return lying(between_rounds(v1, 0, center, b.radius, margin, 16 + edge));
+    if (dot(center - v2, v1 - v2) < 0) return lying(between_rounds(v2, 0, center, b.radius, margin, 16 + next));
   }
   Manifold manifold;
   manifold.normal = normals[edge];
@@ -78,18 +102,38 @@ Manifold collide_polygon_circle(const Model& model, const ShapeModel& a, const S
   const Vec2 on_b = center - b.radius * manifold.normal;
   manifold.point_count = 1;
   manifold.points[0] = {Real(0.5) * (on_a + on_b), {}, outside - b.radius, edge};
-  return manifold;
+  return lying(manifold);
 }
 
-Manifold collide_circle_polygon(const Model& model, const ShapeModel& a, const ShapeModel& b, const Placement& b_in_a,
-                                Real margin) {
+template <bool may_lie>
+Manifold circle_polygon(const Model& model, const ShapeModel& a, const ShapeModel& b, const Placement& b_in_a,
+                        Real margin) {
   const Rotation a_rotation{b_in_a.rotation.c, -b_in_a.rotation.s};
   const Placement a_in_b{-rotate(a_rotation, b_in_a.position), a_rotation};
-  Manifold manifold = collide_polygon_circle(model, b, a, a_in_b, margin);
+  Manifold manifold = polygon_circle<may_lie>(model, b, a, a_in_b, margin);
   manifold.normal = -rotate(b_in_a.rotation, manifold.normal);
   for (int i = 0; i < manifold.point_count; ++i)
     manifold.points[i].anchor_a = b_in_a.position + rotate(b_in_a.rotation, manifold.points[i].anchor_a);
   return manifold;
+}
+
+}  // namespace
+
+Manifold collide_polygon_circle(const Model& model, const ShapeModel& a, const ShapeModel& b, const Placement& b_in_a,
+                                Real margin) {
+  return polygon_circle<false>(model, a, b, b_in_a, margin);
+}
+Manifold collide_circle_polygon(const Model& model, const ShapeModel& a, const ShapeModel& b, const Placement& b_in_a,
+                                Real margin) {
+  return circle_polygon<false>(model, a, b, b_in_a, margin);
+}
+Manifold collide_polygon_on_circle(const Model& model, const ShapeModel& a, const ShapeModel& b,
+                                   const Placement& b_in_a, Real margin) {
+  return polygon_circle<true>(model, a, b, b_in_a, margin);
+}
+Manifold collide_circle_under_polygon(const Model& model, const ShapeModel& a, const ShapeModel& b,
+                                      const Placement& b_in_a, Real margin) {
+  return circle_polygon<true>(model, a, b, b_in_a, margin);
 }
 
 }  // namespace ticktrue::engine::TICKTRUE_PRECISION

@@ -49,6 +49,15 @@ ContactKey key_of(const ContactRow& row) {
   return {key_of(row.body_a, row.child_a), key_of(row.body_b, row.child_b)};
 }
 
+CollideFunction function_of(const Model& model, const ShapeModel& a, const ShapeModel& b, const BodyRow& body_a,
+                            const BodyRow& body_b) {
+  const auto moves = [&](const BodyRow& row) { return model.bodies[row.source].type == BodyType::dynamic_body; };
+  const CollideFunction function = collide_functions[row_of(a.family)][row_of(b.family)];
+  if (function == collide_polygon_circle && moves(body_a)) return collide_polygon_on_circle;
+  if (function == collide_circle_polygon && moves(body_b)) return collide_circle_under_polygon;
+  return function;
+}
+
 /// Writes the row of a contact. Points keep the forces of the last tick for the same features. Fields are written one
 /// by one, since copying a struct waits until all of it is written.
 void write_row(const BodyRow& a, std::uint32_t child_a, const BodyRow& b, std::uint32_t child_b,
@@ -86,7 +95,7 @@ Manifold collide(const Model& model, const ShapeModel& a, const ShapeModel& b, c
   const Placement b_in_a{rotate_back(body_a.rotation, body_b.position - body_a.position),
                          between(body_a.rotation, body_b.rotation)};
   const Real margin = speculative_margin(pair_size(a, b), gravity_displacement) + reach;
-  Manifold manifold = collide_functions[row_of(a.family)][row_of(b.family)](model, a, b, b_in_a, margin);
+  Manifold manifold = function_of(model, a, b, body_a, body_b)(model, a, b, b_in_a, margin);
   manifold.normal = rotate(body_a.rotation, manifold.normal);
   const Vec2 a_from_b = body_a.position - body_b.position;
   for (int i = 0; i < manifold.point_count; ++i) {

@@ -44,6 +44,12 @@ Manifold collide_polygon_circle(const Model& model, const ShapeModel& a, const S
                                 Real margin);
 Manifold collide_circle_polygon(const Model& model, const ShapeModel& a, const ShapeModel& b, const Placement& b_in_a,
                                 Real margin);
+/// The same for a polygon that moves: it may lie on a large circle with an edge, in two points. A polygon that does not
+/// move keeps one, about which the circle rolls.
+Manifold collide_polygon_on_circle(const Model& model, const ShapeModel& a, const ShapeModel& b,
+                                   const Placement& b_in_a, Real margin);
+Manifold collide_circle_under_polygon(const Model& model, const ShapeModel& a, const ShapeModel& b,
+                                      const Placement& b_in_a, Real margin);
 Manifold collide_polygons(const Model& model, const ShapeModel& a, const ShapeModel& b, const Placement& b_in_a,
                           Real margin);
 

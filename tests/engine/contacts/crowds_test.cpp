@@ -138,3 +138,20 @@ TEST_CASE("two bodies inside each other are no crowd", "[engine][contacts][crowd
   CHECK(fastest(*engine) < 3);
   CHECK(deepest_overlap(*engine) < 0.01);
 }
+
+TEST_CASE("a heavy disc rises from light ones that overlap on a floor", "[engine][contacts][crowds]") {
+  // The light discs lie above each other between floor and heavy disc. A single push moves the heavy one less than
+  // gravity does.
+  for (const Precision precision : {Precision::f32, Precision::f64})
+    for (const int count : {2, 3}) {
+      CAPTURE(precision, count);
+      Scene scene = empty_scene(precision);
+      engine::choose_substeps(scene.settings);
+      scene.bodies.push_back(ground());
+      scene.bodies.push_back(body_of(disc_shape(2), {0, 2}));
+      for (int i = 0; i < count; ++i) scene.bodies.push_back(body_of(disc_shape(0.0625), {0, 0.0625 - 0.00125 * i}));
+      const auto engine = make_engine_or_fail(scene);
+      run_ticks(*engine, five_seconds);
+      CHECK(deepest_overlap(*engine) < 0.01);
+    }
+}
