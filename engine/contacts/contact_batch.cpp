@@ -161,6 +161,21 @@ void store_batches(const SolvedSet& solved, const ContactBatches& batches, std::
                                  sizeof(ContactRow), 1 / solved.set.h);
 }
 
+/// Calls use(pushing) for the batches of a list, colour by colour.
+template <typename Use>
+void for_listed(const SolvedSet& solved, const ContactBatches& batches, std::vector<PushingBatch>& list,
+                const Use& use) {
+  if (list.empty()) return;
+  for (std::uint32_t i = solved.set.first_run; i < solved.set.run_end; ++i) {
+    const BatchRun& run = batches.runs[i];
+    solved.parallel().for_chunks(run.end - run.first, run.chunk_size, [&](const Chunk& chunk) {
+      const auto is_before = [](const PushingBatch& of, std::size_t batch) { return of.batch < batch; };
+      auto at = std::lower_bound(list.begin(), list.end(), run.first + chunk.begin, is_before);
+      for (; at != list.end() && at->batch < run.first + chunk.end; ++at) use(*at);
+    });
+  }
+}
+
 /// Lists the batches of a set with contacts of crowds.
 void find_crowded(const SolvedSet& solved, ContactBatches& out) {
   out.pushing.clear();
@@ -248,24 +263,47 @@ void take_push_back_of(ContactBatches& batches, std::uint32_t batch, std::uint32
 }
 
 void save_before_push(ContactBatches& out) {
-  for (PushingBatch& pushing : out.pushing)
-    for (int point = 0; point < 2; ++point) {
-      pushing.normal[point] = out.batches[pushing.batch].points[point].normal_impulse;
-      pushing.tangent[point] = out.batches[pushing.batch].points[point].tangent_impulse;
-    }
+  for (std::vector<PushingBatch>* list : {&out.pushing, &out.jointed})
+    for (PushingBatch& pushing : *list)
+      for (int point = 0; point < 2; ++point) {
+        pushing.normal[point] = out.batches[pushing.batch].points[point].normal_impulse;
+        pushing.tangent[point] = out.batches[pushing.batch].points[point].tangent_impulse;
+      }
 }
 
 void take_back_pushes(const SolvedSet& solved, ContactBatches& batches) {
-  std::vector<PushingBatch>& pushing = batches.pushing;
-  if (pushing.empty()) return;
-  for (std::uint32_t i = solved.set.first_run; i < solved.set.run_end; ++i) {
-    const BatchRun& run = batches.runs[i];
-    solved.parallel().for_chunks(run.end - run.first, run.chunk_size, [&](const Chunk& chunk) {
-      const auto is_before = [](const PushingBatch& of, std::size_t batch) { return of.batch < batch; };
-      auto at = std::lower_bound(pushing.begin(), pushing.end(), run.first + chunk.begin, is_before);
-      for (; at != pushing.end() && at->batch < run.first + chunk.end; ++at) take_back(solved, batches, *at);
-    });
+  for_listed(solved, batches, batches.pushing, [&](PushingBatch& pushing) { take_back(solved, batches, pushing); });
+}
+
+void find_jointed_contacts(const SolvedSet& solved, std::span<const std::uint8_t> is_jointed, ContactBatches& out) {
+  out.jointed.clear();
+  if (is_jointed.empty()) return;
+  for (std::uint32_t i = solved.set.first_batch; i < solved.set.batch_end; ++i) {
+    PushingBatch jointed{i, 0, {}, {}};
+    for (int lane = 0; lane < out.batches[i].count; ++lane) {
+      const ContactPair& pair = solved.tick.contact_pairs[out.batches[i].contact[lane]];
+      if (is_jointed[pair.body_a] != 0 || is_jointed[pair.body_b] != 0) jointed.lanes |= 1u << lane;
+    }
+    if (jointed.lanes != 0) out.jointed.push_back(jointed);
   }
+}
+
+void limit_push_friction(const SolvedSet& solved, ContactBatches& batches) {
+  for_listed(solved, batches, batches.jointed, [&](const PushingBatch& jointed) {
+    const ContactBatch& batch = batches.batches[jointed.batch];
+    PushingBatch limited{jointed.batch, jointed.lanes, {}, {}};
+    bool any = false;
+    for (int point = 0; point < 2; ++point) {
+      limited.normal[point] = batch.points[point].normal_impulse;
+      for (int lane = 0; lane < contact_lane_count; ++lane) {
+        const Real limit = batch.friction.at[lane] * jointed.normal[point].at[lane];
+        const Real impulse = batch.points[point].tangent_impulse.at[lane];
+        limited.tangent[point].at[lane] = larger(smaller(impulse, limit), -limit);
+        any |= (jointed.lanes >> lane & 1) != 0 && limited.tangent[point].at[lane] != impulse;
+      }
+    }
+    if (any) take_back(solved, batches, limited);
+  });
 }
 
 void relax_contacts(const SolvedSet& solved, ContactBatches& batches) {

@@ -7,6 +7,7 @@
 #pragma once
 
 #include <cstdint>
+#include <span>
 #include <vector>
 
 #include "engine/contacts/contact_coloring.h"
@@ -39,12 +40,13 @@ struct ContactBatches {
   std::vector<BatchRun> runs;         // in solving order
   std::vector<ContactLanes> saved;    // [batch of the set, point] normal impulses
   std::vector<PushingBatch> pushing;  // of the set, ascending
+  std::vector<PushingBatch> jointed;  // the same for contacts of jointed bodies: `lanes` are those contacts
 };
 
 template <typename Visit>
 void list_fields(ContactBatches& of, const Visit& visit) {
-  auto& [batches, surfaces, bounces, batch_count, slots, runs, saved, pushing] = of;
-  visit(in_place(batches), in_place(surfaces), in_place(bounces), batch_count, slots, runs, saved, pushing);
+  auto& [batches, surfaces, bounces, batch_count, slots, runs, saved, pushing, jointed] = of;
+  visit(in_place(batches), in_place(surfaces), in_place(bounces), batch_count, slots, runs, saved, pushing, jointed);
 }
 
 /// The workspace and the caches of the contact solver.
@@ -81,6 +83,12 @@ void take_push_back_of(ContactBatches& batches, std::uint32_t batch, std::uint32
 /// gives them no speed.
 void save_before_push(ContactBatches& batches);
 void take_back_pushes(const SolvedSet& solved, ContactBatches& batches);
+/// Lists the contacts of bodies with is_jointed[row] for limit_push_friction; none if it is empty. Requires:
+/// prepare_contacts.
+void find_jointed_contacts(const SolvedSet& solved, std::span<const std::uint8_t> is_jointed, ContactBatches& batches);
+/// Limits the friction of these contacts to the cone of their normal impulses at save_before_push: what pushes overlaps
+/// apart presses nothing, and its friction would turn back what joints turn.
+void limit_push_friction(const SolvedSet& solved, ContactBatches& batches);
 /// Removes the velocity that solve_contacts added to correct overlaps.
 void relax_contacts(const SolvedSet& solved, ContactBatches& batches);
 /// Applies restitution at points that hit faster than `threshold`. True if there was such a point.

@@ -56,6 +56,16 @@ void prepare_joints(const SolvedSet& solved, JointWorkspace& work) {
   }
 }
 
+std::span<const std::uint8_t> find_jointed_bodies(const SolvedSet& solved, JointWorkspace& work) {
+  work.is_jointed.clear();
+  if (work.plan.places().empty() || solved.contacts().empty()) return {};
+  work.is_jointed.resize(solved.state.bodies.size());
+  for (const JointPlace& place : work.plan.places())
+    for (const std::uint32_t row : {place.body_a, place.body_b})
+      if (row != no_reference) work.is_jointed[row] = 1;
+  return work.is_jointed;
+}
+
 void save_velocities_of(const SolvedSet& solved, JointWorkspace& work, const JointRange& range) {
   if (!range.springs) return;
   if (range.path == JointPath::driven_revolute)

@@ -3,6 +3,8 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
+#include <span>
 #include <vector>
 
 #include "engine/joints/batched/driven_revolute_batch.h"
@@ -23,14 +25,15 @@ struct JointWorkspace {
   std::vector<JointWork> joints;  // of the scalar path
   RevoluteBatches revolutes;
   DrivenRevoluteBatches driven_revolutes;
-  std::vector<JointImpulses> impulses;  // [joint of the scalar path] while joints holds those of find_joint_changes
-  bool uses_wavefront = false;          // joints are solved by a wavefront sweep
+  std::vector<JointImpulses> impulses;   // [joint of the scalar path] while joints holds those of find_joint_changes
+  std::vector<std::uint8_t> is_jointed;  // [body]; empty if the set has no joints of the plan
+  bool uses_wavefront = false;           // joints are solved by a wavefront sweep
 };
 
 template <typename Visit>
 void list_fields(JointWorkspace& of, const Visit& visit) {
-  auto& [plan, order, torques, joints, revolutes, driven_revolutes, impulses, uses_wavefront] = of;
-  visit(plan, order, torques, joints, revolutes, driven_revolutes, impulses, uses_wavefront);
+  auto& [plan, order, torques, joints, revolutes, driven_revolutes, impulses, is_jointed, uses_wavefront] = of;
+  visit(plan, order, torques, joints, revolutes, driven_revolutes, impulses, is_jointed, uses_wavefront);
 }
 
 /// Orders the joints of a set. `may_use_wavefront`: only joints act on its bodies in this tick. `left_out`: as for
@@ -39,6 +42,8 @@ void plan_joints(const SolvedSet& solved, bool may_use_wavefront, std::span<cons
                  JointWorkspace& work);
 /// Prepares the joints of a set. Requires: plan_joints; JointTorqueWork::of_gears is filled.
 void prepare_joints(const SolvedSet& solved, JointWorkspace& work);
+/// The bodies of the joints of a set: JointWorkspace::is_jointed.
+std::span<const std::uint8_t> find_jointed_bodies(const SolvedSet& solved, JointWorkspace& work);
 /// Saves the velocities before a substep. Call before the integrator predicts.
 void save_joint_velocities(const SolvedSet& solved, JointWorkspace& work);
 void warm_start_joints(const SolvedSet& solved, JointWorkspace& work);

@@ -70,11 +70,17 @@ void solve_drift_velocities(const SolvedSet& solved, std::uint32_t iterations, J
     body.velocity = drifts.back().linear;
     body.angular_velocity = drifts.back().angular;
   }
+  // Twice in turn with joints: the friction of one pass turns a light body back from where a joint has turned it.
+  if (iterations > 0 && !work.plan.places().empty()) {
+    solve_contacts(solved, contacts);
+    limit_push_friction(solved, contacts);
+  }
   for (std::uint32_t i = 0; i < iterations; ++i) {
     solve_joints(solved, work, Bias::of_drift);
     solve_gears(solved, gears, Bias::of_drift);
   }
   solve_contacts(solved, contacts);
+  limit_push_friction(solved, contacts);
   for (std::size_t i = 0; i < solved.rows.size(); ++i) {
     const std::uint32_t row = solved.rows[i];
     MovingBody& body = solved.bodies.records[row];

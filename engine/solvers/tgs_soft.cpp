@@ -42,6 +42,7 @@ void solve_in_turn(SolvedSet& solved, TickLists& tick, SolverWork& work, State& 
   ContactBatches& contacts = contact_work.batches;
   prepare_contacts(solved, contact_work.colors, contacts);
   prepare_jointed_contacts(solved, direct, contacts, jointed_impacts);
+  find_jointed_contacts(solved, find_jointed_bodies(solved, joints), contacts);
   const bool has_impacts = !tick.impacts.empty();
   const bool has_joint_changes = !motion.drift.joint_changes.empty();
   for (int substep = 0; substep < set.substeps; ++substep) {
@@ -68,6 +69,7 @@ void solve_in_turn(SolvedSet& solved, TickLists& tick, SolverWork& work, State& 
       solve_mouse_joints(mouse_joints, bodies);
       solve_contacts(solved, contacts);
     }
+    limit_push_friction(solved, contacts);
     Real settled = settled_speed(solved);  // 0 unless an impact has hit bodies at rest
     propagate_shock(solved, settled, tick, contacts, shock);
     if (settled > 0 && has_deep_overlap(solved)) solve_contacts(solved, contacts);
