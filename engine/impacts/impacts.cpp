@@ -494,6 +494,7 @@ bool is_left_to_impacts(const Model& model, const State& state, const TickLists&
   const Real threshold = static_cast<Real>(model.restitution_threshold);
   const Real tolerance = touch_tolerance(pair.size, a.position, b.position);
   const Real gravity_displacement = gravity_displacement_of_tick(model, state);
+  const bool has_forces = !model.body_forces.empty() || !tick.force.empty() || !state.pointers.empty();
   for (int i = 0; i < pair.manifold.point_count; ++i) {
     const ManifoldPoint& point = pair.manifold.points[i];
     if (point.separation > tolerance) continue;  // closing this gap in the tick is an impact
@@ -501,9 +502,12 @@ bool is_left_to_impacts(const Model& model, const State& state, const TickLists&
                           (a.velocity + cross(a.angular_velocity, point.anchor_a));
     const Real closing = -dot(velocity, pair.manifold.normal);
     if (closing >= 0 && closing <= threshold) return false;
-    // A bounce at a speed that gravity gives within a tick may end within a substep. Nothing carries the load then.
-    const bool is_slow = absolute(closing) * static_cast<Real>(model.scene.settings.dt) <= gravity_displacement;
-    if (-point.separation > (is_slow ? linear_slop(pair.size) : overlap_share * pair.size)) return false;
+    // A bounce at a speed that gravity gives within a tick may end within a substep. Nothing carries the load then. The
+    // same holds for other forces where the bodies are too slow to part within the tick.
+    const Real overlap = -point.separation;
+    const Real slow_way = has_forces ? larger(gravity_displacement, overlap) : gravity_displacement;
+    const bool is_slow = absolute(closing) * static_cast<Real>(model.scene.settings.dt) <= slow_way;
+    if (overlap > (is_slow ? linear_slop(pair.size) : overlap_share * pair.size)) return false;
   }
   return true;
 }

@@ -2,6 +2,8 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include <algorithm>
+
 #include "engine/joints/direct/direct_components.h"
 #include "engine/math/union_find.h"
 #include "engine/model/model.h"
@@ -112,15 +114,12 @@ inline bool is_awake(const TickLists& tick, const IslandWork& work, std::uint32_
   return is_dynamic(work, row) && work.island_awake[tick.island[row]] != 0;
 }
 
-inline bool is_moving(const BodyRow& body) {
-  return body.velocity.x != 0 || body.velocity.y != 0 || body.angular_velocity != 0;
-}
-
-/// Whether an immovable body may move what it touches: it moves, or was made in this tick.
+/// Whether an immovable body may move what it touches: it moves, was made in this tick, or moved in the tick before.
 /// Requires: work.body_types is of this tick.
 inline bool disturbs(const State& state, const TickLists& tick, const IslandWork& work, std::uint32_t row) {
   const BodyRow& body = state.bodies[row];
-  return !is_dynamic(work, row) && (is_moving(body) || body.id >= tick.first_new_id);
+  return !is_dynamic(work, row) && (is_moving(body) || body.id >= tick.first_new_id ||
+                                    std::binary_search(tick.moved_before.begin(), tick.moved_before.end(), body.id));
 }
 
 inline std::uint32_t row_of(const State& state, std::uint32_t id) {

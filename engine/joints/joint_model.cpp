@@ -118,18 +118,19 @@ JointModel make_joint(Model& model, const Joint& joint) {
   return out;
 }
 
-/// The share of a body in the mobility of a joint's point or angle: 1 if the other body is much heavier.
-double share_of(const BodyModel& body, Vec2 anchor, const BodyModel& other, Vec2 other_anchor, bool holds_angle) {
+/// Adds the shares of bodies A and B in the mobility of a joint's point or angle: 1 if the other body is much heavier.
+void add_shares(const JointModel& joint, const BodyModel& a, const BodyModel& b, std::vector<double>& sums) {
   const auto mobility = [](const BodyModel& of, Vec2 arm) {
     return static_cast<double>(of.inv_mass) +
            static_cast<double>(of.inv_inertia) * static_cast<double>(length_squared(arm));
   };
-  const auto part = [](double own, double all) { return all > 0 ? own / all : 0.0; };
-  const double own = mobility(body, anchor);
-  const double point = part(own, own + mobility(other, other_anchor));
-  const auto inv_inertia = static_cast<double>(body.inv_inertia);
-  const double angle = holds_angle ? part(inv_inertia, inv_inertia + static_cast<double>(other.inv_inertia)) : 0;
-  return point < angle ? angle : point;
+  const auto part = [](double own, double other) { return own + other > 0 ? own / (own + other) : 0.0; };
+  const double ratio = joint.kind == JointKind::pulley ? static_cast<double>(joint.ratio) : 1;
+  const double of_a = mobility(a, joint.anchor_a), of_b = ratio * ratio * mobility(b, joint.anchor_b);
+  const double turn_a = joint.holds_angle ? static_cast<double>(a.inv_inertia) : 0;
+  const double turn_b = joint.holds_angle ? static_cast<double>(b.inv_inertia) : 0;
+  sums[joint.body_a] += std::max(part(of_a, of_b), part(turn_a, turn_b));
+  sums[joint.body_b] += std::max(part(of_b, of_a), part(turn_b, turn_a));
 }
 
 /// The mobility of a body in the coordinate of a joint: an angle, or a way along an axis with this arm.
@@ -169,8 +170,7 @@ void find_light_bodies(Model& model) {
     const BodyModel& a = model.bodies[joint.body_a];
     const BodyModel& b = model.bodies[joint.body_b];
     if (a.type != BodyType::dynamic_body || b.type != BodyType::dynamic_body) continue;
-    sums[joint.body_a] += share_of(a, joint.anchor_a, b, joint.anchor_b, joint.holds_angle);
-    sums[joint.body_b] += share_of(b, joint.anchor_b, a, joint.anchor_a, joint.holds_angle);
+    add_shares(joint, a, b, sums);
   }
   add_gear_shares(model, sums);
   const double most = joint_visits_max / static_cast<double>(model.joints.size() + 1);

@@ -25,6 +25,9 @@ struct BodyRow {
   Vec2 velocity;          // of the centre of mass, m/s
   Real angular_velocity;  // rad/s
 };
+inline bool is_moving(const BodyRow& body) {
+  return body.velocity.x != 0 || body.velocity.y != 0 || body.angular_velocity != 0;
+}
 
 /// A contact of two children (convex shapes of bodies), with its forces for warm starting. The row exists if and only
 /// if the narrow phase found a point within the speculative margin. Rows ascend by (body_a, child_a, body_b, child_b).

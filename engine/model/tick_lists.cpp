@@ -6,6 +6,7 @@ namespace ticktrue::engine::TICKTRUE_PRECISION {
 
 void begin_tick(TickLists& tick) {
   tick.first_new_id = no_reference;
+  tick.moved_before.clear();
   tick.force.clear();
   tick.torque.clear();
   tick.proxies = {};

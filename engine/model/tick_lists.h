@@ -36,6 +36,7 @@ struct TickLists {
   // Written by the inputs.
   std::vector<Input> inputs;
   std::uint32_t first_new_id = no_reference;  // ids from here on were given to bodies in this tick
+  std::vector<std::uint32_t> moved_before;    // kinematic bodies whose velocity inputs have set, ascending ids
   std::vector<Vec2> force;                    // [body] N, from this tick's inputs; empty if there are none
   std::vector<Real> torque;                   // [body] N m
   std::vector<TouchRow> removed_touching;     // rows of bodies that were removed in this tick
@@ -78,14 +79,14 @@ struct TickLists {
 /// All fields except those that the caller sets for a tick: `parallel`, `pair_count_max`, `inputs` and `injected`.
 template <typename Visit>
 void list_fields(TickLists& of, const Visit& visit) {
-  auto& [parallel, pair_count_max, inputs, first_new_id, force, torque, removed_touching, removed_sensors, injected,
-         proxies, pairs, has_too_many_pairs, changes, contact_pairs, contact_generation, travel, deep_counts, impacts,
-         has_solver_sets, solver_sets, set_rows, set_contacts, body_solver_set, island, island_level,
+  auto& [parallel, pair_count_max, inputs, first_new_id, moved_before, force, torque, removed_touching, removed_sensors,
+         injected, proxies, pairs, has_too_many_pairs, changes, contact_pairs, contact_generation, travel, deep_counts,
+         impacts, has_solver_sets, solver_sets, set_rows, set_contacts, body_solver_set, island, island_level,
          island_has_resting_impact, resting_impacts, shock_work_left, shock_is_cut, load, mass_factor] = of;
-  visit(first_new_id, force, torque, removed_touching, removed_sensors, proxies, pairs, has_too_many_pairs, changes,
-        contact_pairs, contact_generation, travel, deep_counts, impacts, has_solver_sets, solver_sets, set_rows,
-        set_contacts, body_solver_set, island, island_level, island_has_resting_impact, resting_impacts,
-        shock_work_left, shock_is_cut, load, mass_factor);
+  visit(first_new_id, moved_before, force, torque, removed_touching, removed_sensors, proxies, pairs,
+        has_too_many_pairs, changes, contact_pairs, contact_generation, travel, deep_counts, impacts, has_solver_sets,
+        solver_sets, set_rows, set_contacts, body_solver_set, island, island_level, island_has_resting_impact,
+        resting_impacts, shock_work_left, shock_is_cut, load, mass_factor);
 }
 
 /// Sets the lists as they are if the stages that write them are left out.

@@ -1,5 +1,7 @@
 // Input events: bodies are spawned and removed, forces and impulses act, pointers press, drag and release.
 // SPDX-License-Identifier: MIT
+#include <algorithm>
+
 #include "engine/math/trig.h"
 #include "engine/narrow_phase/narrow_phase.h"
 #include "engine/stages/stages.h"
@@ -132,9 +134,11 @@ void do_torque(const Model&, State& state, TickLists& tick, const Input& input) 
   tick.torque[state.find_body(input.body)] += static_cast<Real>(input.values[0]);
 }
 
-void do_set_velocity(const Model&, State& state, TickLists&, const Input& input) {
+void do_set_velocity(const Model& model, State& state, TickLists& tick, const Input& input) {
   BodyRow* body = find(state, input);
   if (body == nullptr) return;
+  if (is_moving(*body) && model.bodies[body->source].type == BodyType::kinematic_body)
+    tick.moved_before.push_back(body->id);
   body->velocity = to_vec2(input.values[0], input.values[1]);
   body->angular_velocity = to_real(input.values[2]);
 }
@@ -227,6 +231,10 @@ void remove_body(const Model& model, State& state, TickLists& tick, std::size_t 
   }
   for (const JointRow& joint : state.joints)
     if (joins_body(model, joint, id)) wake_joint(model, state, joint);
+  for (const SpringForce& spring : model.springs)
+    if (spring.body == id || spring.other == id)
+      for (const std::uint32_t end : {spring.body, spring.other})
+        if (const std::size_t at = state.find_body(end); at < state.bodies.size()) state.wake(at);
   erase_body_row(state, row);
   if (!tick.force.empty()) {
     tick.force.erase(tick.force.begin() + static_cast<std::ptrdiff_t>(row));
@@ -249,6 +257,7 @@ void remove_body(const Model& model, State& state, TickLists& tick, std::size_t 
 void apply_inputs(const Model& model, State& state, TickLists& tick, Real) {
   tick.first_new_id = state.world.next_id;
   for (const Input& input : tick.inputs) info_of(input_functions, input.kind).act(model, state, tick, input);
+  std::sort(tick.moved_before.begin(), tick.moved_before.end());
 }
 
 }  // namespace ticktrue::engine::TICKTRUE_PRECISION

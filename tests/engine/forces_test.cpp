@@ -384,6 +384,46 @@ TEST_CASE("a body asleep on a spring wakes when the kinematic body at its other 
   CHECK(engine->bodies()[0].center.y > 0.5);  // it follows the other body, which is 1 m higher
 }
 
+TEST_CASE("a body asleep on a spring falls when the body at its other end is removed", "[engine][forces][sleep]") {
+  for (const BodyType type : {BodyType::static_body, BodyType::kinematic_body, BodyType::dynamic_body}) {
+    CAPTURE(type);
+    Scene scene = empty_scene();
+    scene.settings.sleep.emplace();
+    scene.inputs = {InputKind::remove};
+    scene.bodies = {disc_of_1_kg({0, 0}), disc_of_1_kg({0, 4}), disc_of_1_kg({9, 0})};
+    scene.bodies[0].linear_damping = 3;
+    scene.bodies[1].type = type;
+    if (type != BodyType::dynamic_body) scene.bodies[1].mass.reset();
+    scene.bodies[1].linear_damping = 3;
+    Force spring = force_of(ForceKind::spring);
+    spring.body = 0;
+    spring.other = 1;
+    spring.stiffness = 100;
+    spring.rest_length = 3.9;
+    scene.forces = {spring};
+    spring.body = 1;
+    spring.other.reset();
+    spring.point = {0, 6};
+    spring.stiffness = 200;
+    spring.rest_length = 1.9;
+    if (type == BodyType::dynamic_body) scene.forces.push_back(spring);
+    scene.bodies.back().gravity_scale = 0;  // it sleeps on
+    const auto engine = make_engine_or_fail(scene);
+    run_ticks(*engine, 600);
+    const std::size_t all = type == BodyType::dynamic_body ? 3 : 2;
+    CHECK(asleep_count(*engine) == all);
+    engine::Input remove;
+    remove.kind = InputKind::remove;
+    remove.body = 1;
+    Bytes bytes;
+    engine::encode_inputs({remove}, bytes);
+    REQUIRE(engine->step({scene.settings.dt, bytes}, nullptr));
+    CHECK(asleep_count(*engine) == 1);
+    run_ticks(*engine, 59);
+    CHECK(engine->bodies()[0].center.y < -2);  // after 1 s with damping
+  }
+}
+
 TEST_CASE("bodies that are being pushed apart do not sleep", "[engine][sleep]") {
   for (const Precision precision : {Precision::f32, Precision::f64}) {
     Scene scene = empty_scene(precision);
@@ -457,6 +497,43 @@ TEST_CASE("a fast kinematic body hits a body that sleeps", "[engine][sleep]") {
     CHECK(asleep_count(*engine) == 0);
     CHECK(engine->bodies()[2].center.x - engine->bodies()[1].center.x > 0.98);
   }
+}
+
+TEST_CASE("a kinematic body that an input stops inside of a sleeping one pushes it out", "[engine][sleep]") {
+  // It moves in for one tick, in which nothing touches yet, and does not move in the next one.
+  for (const Precision precision : {Precision::f32, Precision::f64})
+    for (const double deep : {0.01, 0.04, 0.07}) {
+      CAPTURE(precision, deep);
+      Scene scene = empty_scene(precision);
+      scene.settings.sleep.emplace();
+      scene.bodies = {ground(), unit_box({0, 0.5}), unit_box({9, 0.5}),
+                      body_of(disc_shape(0.5), {1.1 - deep, 0.5}, BodyType::kinematic_body)};
+      scene.inputs = {engine::InputKind::set_velocity};
+      const auto engine = make_engine_or_fail(scene);
+      run_ticks(*engine, 120);
+      const auto set_speed = [&](double speed) {
+        engine::Input input;
+        input.kind = engine::InputKind::set_velocity;
+        input.body = 3;
+        input.values = {speed};
+        Bytes bytes;
+        engine::encode_inputs({input}, bytes);
+        REQUIRE(engine->step({scene.settings.dt, bytes}, nullptr));
+      };
+      set_speed(-6);
+      CHECK(engine->bodies()[3].center.x - engine->bodies()[1].center.x == Approx(1 - deep).epsilon(1e-5));
+      CHECK(asleep_count(*engine) == 2);
+      set_speed(0);
+      CHECK(asleep_count(*engine) == 1);  // the far box sleeps on
+      const auto again = make_engine_or_fail(scene);
+      REQUIRE(again->load(image_of(*engine)));
+      for (engine::Engine* each : {engine.get(), again.get()}) run_ticks(*each, 240);
+      CHECK(engine->bodies()[3].center.x - engine->bodies()[1].center.x > 0.999);
+      CHECK(asleep_count(*engine) == 2);
+      CHECK(root_hash(again->state()) == root_hash(engine->state()));
+      set_speed(0);  // it stood
+      CHECK(asleep_count(*engine) == 2);
+    }
 }
 
 TEST_CASE("where bodies sleep after no time at all, what moves does not sleep", "[engine][sleep]") {

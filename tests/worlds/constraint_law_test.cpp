@@ -642,6 +642,43 @@ TEST_CASE("a pulley is not judged while an immovable end takes the whole rope", 
   }
 }
 
+TEST_CASE("the law of a pulley counts side B by the square of its ratio", "[verifier][soak][law][analytic]") {
+  for (const double ratio : {0.25, 1.0, 4.0}) {
+    CAPTURE(ratio);
+    const double gap = 0.3;
+    Scene scene = two_discs(4);
+    scene.bodies[0].mass = engine::ExplicitMass{2, {}, {}};
+    scene.bodies[1].mass = engine::ExplicitMass{3, {}, {}};
+    for (engine::Body& body : scene.bodies) body.fixed_rotation = true;
+    Joint rope = joint_of(JointKind::pulley, 0, 1);
+    rope.ground_anchor_a = {0, 2};
+    rope.ground_anchor_b = {4, 2};
+    rope.ratio = ratio;
+    rope.length = 2 + ratio * 2 - gap;
+    scene.joints.push_back(rope);
+    MovesNothing still(law_engine(scene));
+    const double omega = 2 * std::numbers::pi * 0.25 * scene.settings.substeps / scene.settings.dt;
+    const double mobility = 1.0 / 2 + ratio * ratio / 3;
+    CHECK(law_after(still, 1).stored_energy() == Approx(0.5 * omega * omega * gap * gap / mobility).epsilon(1e-6));
+  }
+  // Where a load sags by less than that, nothing is off.
+  for (const double ratio : {0.25, 1.0, 4.0}) {
+    CAPTURE(ratio);
+    Scene scene = two_discs(4);
+    scene.gravity = {0, -200};
+    scene.settings.substeps = 1;
+    scene.bodies[0].mass = engine::ExplicitMass{2, {}, {}};
+    scene.bodies[1].mass = engine::ExplicitMass{2 * ratio, {}, {}};
+    Joint rope = joint_of(JointKind::pulley, 0, 1);
+    rope.ground_anchor_a = {0, 3};
+    rope.ground_anchor_b = {4, 3};
+    rope.ratio = ratio;
+    rope.length = 3 + ratio * 3;
+    scene.joints.push_back(rope);
+    CHECK_FALSE(law_after(*law_engine(scene), 600).gap());
+  }
+}
+
 TEST_CASE("a direct pulley closes a gap at .1 m/s of each moving end", "[verifier][soak][law][analytic]") {
   const double dt = Scene{}.settings.dt, gap = 0.3;
   for (const auto& [a_moves, b_moves] : {std::pair{true, false}, std::pair{false, true}, std::pair{true, true}}) {

@@ -167,23 +167,27 @@ std::vector<Offence> joint_offences(const TickView& view, std::vector<double>& p
     const Point places[2] = {{pair[0]->origin.x + arms[0].x, pair[0]->origin.y + arms[0].y},
                              {pair[1]->origin.x + arms[1].x, pair[1]->origin.y + arms[1].y}};
     double mobility = 0, mobility_of_torque = 0, turned_away = 0;
+    const bool is_pulley = joint.kind == JointKind::pulley;
+    const double ratio_b = is_pulley ? joint.ratio : 1;
     for (int k = 0; k < 2; ++k) {
+      const double ratio = k == 0 ? 1 : ratio_b;
       // The forces of sliders act at B's anchor.
       const Point& at = places[engine::has_field(joint.kind, engine::JointField::axis) ? 1 : k];
       const double arm = std::hypot(at.x - pair[k]->center.x, at.y - pair[k]->center.y) + gap;
       if (is_dynamic(*pair[k])) {
-        mobility += inverse_of(pair[k]->mass) + inverse_of(pair[k]->inertia) * arm * arm;
+        mobility += ratio * ratio * (inverse_of(pair[k]->mass) + inverse_of(pair[k]->inertia) * arm * arm);
         mobility_of_torque += inverse_of(pair[k]->inertia) * arm;
       }
-      turned_away += arm * std::pow(pair[k]->angular_velocity * h, 2);
+      turned_away += ratio * arm * std::pow(pair[k]->angular_velocity * h, 2);
     }
-    if (joint.kind == JointKind::pulley) {
+    if (is_pulley) {
       const double side_a = std::hypot(places[0].x - joint.ground_anchor_a.x, places[0].y - joint.ground_anchor_a.y);
       const double side_b = std::hypot(places[1].x - joint.ground_anchor_b.x, places[1].y - joint.ground_anchor_b.y);
       if (has_short_side(joint, side_a, side_b, is_dynamic(*pair[0]), is_dynamic(*pair[1]))) continue;
-      mobility *= 1 + joint.ratio * joint.ratio;
     }
-    const double force = std::hypot(view.joints.value(i, "linear_force", 0), view.joints.value(i, "linear_force", 1));
+    // Of a pulley: the forces on A and on B.
+    const double force_x = view.joints.value(i, "linear_force", 0);
+    const double force = is_pulley ? std::fabs(force_x) : std::hypot(force_x, view.joints.value(i, "linear_force", 1));
     const double torque = std::fabs(view.joints.value(i, "torque"));
     const double rate = std::min(law.bias_rate, is_direct ? direct_push_rate : infinite);
     const double slack = std::max(view.slack_of(ends[0], ends[1]), view.target_error_of(ends[0], ends[1]));
@@ -203,9 +207,8 @@ std::vector<Offence> joint_offences(const TickView& view, std::vector<double>& p
     offence.breach.yielded = load_factor * (force * mobility + torque * mobility_of_torque) / (law.omega * law.omega);
     // With m_a v_a^2 + m_b v_b^2 = (m_a + m_b) c^2 a row changes by v_a + r v_b = c sqrt((m_a + m_b) (1 / m_a + r^2 /
     // m_b)) at best, which is c (1 + r) or more for any masses. r = 1 but for pulleys.
-    const double share_b = joint.kind == JointKind::pulley ? joint.ratio : 1;
     const double direct_speed =
-        direct_push_speed * ((is_dynamic(*pair[0]) ? 1 : 0) + (is_dynamic(*pair[1]) ? share_b : 0));
+        direct_push_speed * ((is_dynamic(*pair[0]) ? 1 : 0) + (is_dynamic(*pair[1]) ? ratio_b : 0));
     const double speed_max = is_direct ? direct_speed : push_speed;
     // What turns may stop. Then the slack alone is allowed.
     offence.settling = settling_time(gap, least, rate, speed_max) / view.push_share;
