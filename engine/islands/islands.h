@@ -27,6 +27,12 @@ void list_fields(LoadEstimate& of, const Visit& visit) {
   visit(load, position_error, local_error);
 }
 
+/// What kinematic bodies do to an island by its contacts, W.
+struct CrushPower {
+  Real supplied;
+  Real stored;  // in contacts that give way
+};
+
 /// The workspace of the search for islands in a tick.
 struct IslandWork {
   std::vector<BodyType> body_types;           // [body]
@@ -63,6 +69,8 @@ struct IslandWork {
   std::vector<Real> measured_force;           // [body] N, of its carriers
   std::vector<std::uint32_t> measured_level;  // [body] at the island's first row
   std::vector<std::uint32_t> measured_level_before;  // [body] at the island's first row, of the tick before
+  std::vector<CrushPower> crush;                     // [body] at the island's first row; where something pushes
+  std::vector<std::uint32_t> needed_level;           // [body] at the island's first row, of this tick
   std::vector<std::uint32_t> first_level;            // [body] at the island's first row, of unmeasured joints or 0
   std::vector<IslandError> island_errors;            // [body] at the island's first row
   std::vector<std::uint32_t> substeps_before;        // [body] at the island's first row
@@ -80,14 +88,14 @@ void list_fields(IslandWork& of, const Visit& visit) {
          part_counts, supports, support_start, support_depth, support_order, joint_acceleration, load_moment,
          load_passed_on, tilt_errors, weights, measured, pushes, friction, pushed, pushed_by, press, press_is_done,
          press_force, press_mass, press_error, resistance, is_floating, known_force, measured_force, measured_level,
-         measured_level_before, first_level, island_errors, substeps_before, idle_ticks, direct, sway, strike,
-         has_direct, island_work] = of;
+         measured_level_before, crush, needed_level, first_level, island_errors, substeps_before, idle_ticks, direct,
+         sway, strike, has_direct, island_work] = of;
   visit(body_types, set_keys, island_awake, island_carried, dynamic_count, all_are_held, awake_rows, awake_contacts,
         part_counts, supports, support_start, support_depth, support_order, joint_acceleration, load_moment,
         load_passed_on, tilt_errors, weights, measured, pushes, friction, pushed, pushed_by, press, press_is_done,
         press_force, press_mass, press_error, resistance, is_floating, known_force, measured_force, measured_level,
-        measured_level_before, first_level, island_errors, substeps_before, idle_ticks, direct, sway, strike,
-        has_direct, island_work);
+        measured_level_before, crush, needed_level, first_level, island_errors, substeps_before, idle_ticks, direct,
+        sway, strike, has_direct, island_work);
 }
 
 /// The stage that decides which bodies sleep, which bodies are solved together, and in how many substeps.

@@ -16,6 +16,7 @@ namespace ticktrue::engine::TICKTRUE_PRECISION {
 namespace {
 
 constexpr std::uint32_t not_pushed = 0xffffffff;
+constexpr Real crushed_share = Real(0.5);  // of the power of kinematic bodies, in contacts that give way
 
 bool is_pusher(const State& state, const IslandWork& work, std::uint32_t row) {
   const Vec2 velocity = state.bodies[row].velocity;
@@ -201,6 +202,36 @@ bool estimate_pushes(const Model& model, const State& state, const TickLists& ti
     add_loads(model, state, work, row, dt);
   }
   return is_any;
+}
+
+void forget_crushed(const Model& model, const State& state, const TickLists& tick, IslandWork& work,
+                    std::vector<std::uint32_t>& level) {
+  const auto count = static_cast<std::uint32_t>(state.bodies.size());
+  bool is_any = false;
+  for (std::uint32_t row = 0; row < count; ++row) is_any |= is_pusher(state, work, row);
+  if (!is_any) return;
+  work.crush.assign(count, {0, 0});
+  for (const std::uint32_t contact : work.awake_contacts) {
+    const ContactPair& pair = tick.contact_pairs[contact];
+    const BodyRow& a = state.bodies[pair.body_a];
+    const BodyRow& b = state.bodies[pair.body_b];
+    const bool a_moves = is_dynamic(work, pair.body_a);
+    CrushPower& power = work.crush[tick.island[a_moves ? pair.body_a : pair.body_b]];
+    for (int i = 0; i < pair.manifold.point_count; ++i) {
+      const ManifoldPoint& point = pair.manifold.points[i];
+      const Real force = state.contacts[contact].normal_force[i];
+      const Real speed_a = dot(a.velocity + cross(a.angular_velocity, point.anchor_a), pair.manifold.normal);
+      const Real speed_b = dot(b.velocity + cross(b.angular_velocity, point.anchor_b), pair.manifold.normal);
+      power.stored += force * (speed_a - speed_b);
+      if (!a_moves) power.supplied += force * speed_a;
+      if (!is_dynamic(work, pair.body_b)) power.supplied -= force * speed_b;
+    }
+  }
+  for (std::uint32_t row = 0; row < count; ++row) {
+    const CrushPower& power = work.crush[row];
+    if (power.supplied > 0 && power.stored > crushed_share * power.supplied)
+      level[row] = static_cast<std::uint32_t>(model.scene.settings.substeps);
+  }
 }
 
 }  // namespace ticktrue::engine::TICKTRUE_PRECISION

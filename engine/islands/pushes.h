@@ -14,4 +14,10 @@ bool estimate_pushes(const Model& model, const State& state, const TickLists& ti
 /// work.pushes is as before. Requires: as estimate_pushes, and work.press.
 bool estimate_presses(const Model& model, const State& state, const TickLists& tick, IslandWork& work);
 
+/// Sets the levels that measured loads ask for, `level`, to the least where kinematic bodies crush an island: most of
+/// their power goes into contacts that give way. Their way alone decides how far these give way. More substeps make
+/// them stiffer and raise the force.
+void forget_crushed(const Model& model, const State& state, const TickLists& tick, IslandWork& work,
+                    std::vector<std::uint32_t>& level);
+
 }  // namespace ticktrue::engine::TICKTRUE_PRECISION

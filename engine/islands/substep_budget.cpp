@@ -72,23 +72,30 @@ std::uint64_t find_work(const Model& model, const State& state, TickLists& tick,
   return sum;
 }
 
-/// Lowers the largest levels until the work of the tick is at most `allowed`, or none is above the least. Returns that
-/// work.
-std::uint64_t lower_levels(const Settings& settings, std::uint64_t allowed, TickLists& tick, const IslandWork& work) {
+/// Lowers the largest levels, but none below `kept`, until the work of the tick is at most `allowed`, or none is above
+/// the least. Returns that work.
+std::uint64_t lower_levels(const Settings& settings, std::uint64_t allowed, const std::vector<std::uint32_t>& kept,
+                           TickLists& tick, const IslandWork& work) {
   const auto least = static_cast<std::uint32_t>(settings.substeps);
   std::uint64_t of_level[limits::substep_count_max + 1] = {};  // the work of a substep
-  for (std::size_t row = 0; row < tick.island_level.size(); ++row)
+  std::uint64_t of_kept[limits::substep_count_max + 1] = {};
+  for (std::size_t row = 0; row < tick.island_level.size(); ++row) {
     of_level[tick.island_level[row]] += work.island_work[row];
+    of_kept[kept[row]] += work.island_work[row];
+  }
   const auto work_with = [&](std::uint32_t most) {
     std::uint64_t sum = 0;
-    for (std::uint32_t level = 0; level <= limits::substep_count_max; ++level)
+    for (std::uint32_t level = 0; level <= limits::substep_count_max; ++level) {
       sum += of_level[level] * std::min(level, most);
+      if (level > most) sum += of_kept[level] * (level - most);
+    }
     return sum;
   };
   auto most = static_cast<std::uint32_t>(settings.auto_substeps->substeps_max);
   while (most > least && work_with(most) > allowed) most = most > least + cap_step ? most - cap_step : least;
   for (std::size_t row = 0; row < tick.island_level.size(); ++row)
-    if (work.island_work[row] != 0) tick.island_level[row] = std::min(tick.island_level[row], most);
+    if (work.island_work[row] != 0)
+      tick.island_level[row] = std::max(std::min(tick.island_level[row], most), kept[row]);
   return work_with(most);
 }
 
@@ -101,10 +108,21 @@ void apply_budget(const Model& model, State& state, TickLists& tick, IslandWork&
       static_cast<std::uint64_t>(settings.substep_budget) * (per_substep > substep_least ? per_substep : substep_least);
   std::uint64_t used = 0;
   for (std::uint32_t row = 0; row < state.bodies.size(); ++row) used += work.island_work[row] * tick.island_level[row];
+  // Islands that needed more lately, and do not any more, fall first. If that is enough, they begin from there in the
+  // next tick.
   if (used > allowed) {
-    const std::uint64_t wanted = used;
-    used = lower_levels(settings, allowed, tick, work);
-    if (used < wanted) count_up(state.budget.limited_ticks);
+    used = lower_levels(settings, allowed, work.needed_level, tick, work);
+    if (used <= allowed)
+      for (const std::uint32_t row : work.awake_rows) {
+        std::uint32_t& count = state.substeps[row].count;
+        count = std::min(count, tick.island_level[tick.island[row]]);
+      }
+  }
+  if (used > allowed) {
+    const std::uint64_t needed = used;
+    work.needed_level.assign(state.bodies.size(), 0);
+    used = lower_levels(settings, allowed, work.needed_level, tick, work);
+    if (used < needed) count_up(state.budget.limited_ticks);
   }
   const std::uint64_t rest = used < allowed ? allowed - used : 0;
   const std::uint64_t saved_max = saved_ticks * allowed;

@@ -217,10 +217,13 @@ void estimate_tilts(const State& state, IslandWork& work) {
     if (work.support_depth[row] == 0) continue;
     Vec2& moment = work.load_moment[row];
     moment = moment + (load[row] - load_passed_on[row]) * state.bodies[row].position;
-    const Real share = 1 / static_cast<Real>(count_of(row));
+    const int count = count_of(row);
+    const Real share = load[row] / static_cast<Real>(count);
+    // One support carries the load where its centre is; each of several carries its share where it touches.
     for_each_carrier(work, row, [&](const Support& support) {
-      load_passed_on[support.other] += share * load[row];
-      work.load_moment[support.other] = work.load_moment[support.other] + share * moment;
+      const Vec2 passed_on = count == 1 ? moment : share * (state.bodies[row].position + support.middle);
+      load_passed_on[support.other] += share;
+      work.load_moment[support.other] = work.load_moment[support.other] + passed_on;
     });
   }
   for (const std::uint32_t row : work.support_order) {
@@ -419,6 +422,7 @@ void raise_by_measured_loads(const Model& model, State& state, TickLists& tick, 
   std::vector<std::uint32_t>& now = work.measured_level;
   now.assign(state.bodies.size(), static_cast<std::uint32_t>(model.scene.settings.substeps));
   raise_levels(model, state, tick, work, work.measured, now);
+  forget_crushed(model, state, tick, work, now);
   find_sways(model, state, work);
   const auto sway_of = [&](std::uint32_t row) { return square_root(work.sway[row]); };
   const auto most = static_cast<std::uint32_t>(model.scene.settings.auto_substeps->substeps_max);
@@ -542,9 +546,11 @@ void choose_substeps(const Model& model, State& state, TickLists& tick, IslandWo
     estimate_needs(model, state, tick, work, dt);
     change_levels(state, tick, work);
   }
+  work.needed_level = tick.island_level;
   for (const std::uint32_t row : work.awake_rows) {
     const std::uint32_t root = tick.island[row];
     const std::uint32_t first = work.first_level.empty() ? 0 : work.first_level[root];
+    work.needed_level[root] = std::max(work.needed_level[root], first);
     tick.island_level[root] = std::max(state.substeps[row].count, first);
   }
   tick.shock_work_left = shock_work_max;

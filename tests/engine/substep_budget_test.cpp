@@ -188,3 +188,61 @@ TEST_CASE("a substep costs what was measured for bodies, contacts and joints", "
     if (is_direct) CHECK(most_in(*engine, "substeps", "count") < 64);  // these bodies rest: it was for one tick
   }
 }
+
+namespace {
+
+// Ten rows of boxes of 1 m in a tub, 1.05 m apart, and a plate `more` on them.
+Scene press(int columns, const std::string& plate, const std::string& joint, Precision precision) {
+  const double wall = 0.525 * columns + 0.6;
+  const auto side = [](double x) {
+    return R"({"type": "static", "position": [)" + std::to_string(x) +
+           R"(, 20], "shapes": [{"type": "box", "half_size": [0.5, 20]}]},)";
+  };
+  std::string text = R"({"settings": {"substeps": "auto"}, "bodies": [)"
+                     R"({"name": "floor", "type": "static", "position": [0, -1], "shapes": [{"type": "box", )"
+                     R"("half_size": [1000, 1]}]},)" +
+                     side(-wall) + side(wall);
+  for (int row = 0; row < 10; ++row)
+    for (int i = 0; i < columns; ++i)
+      text += R"({"position": [)" + std::to_string(1.05 * (i - 0.5 * (columns - 1))) + ", " +
+              std::to_string(row + 0.5) + R"(], "shapes": [{"type": "box", "half_size": [0.5, 0.5]}]},)";
+  text += R"({"name": "plate", "position": [0, 10.6], )" + plate + R"(, "shapes": [{"type": "box", "half_size": [)" +
+          std::to_string(0.53 * columns) + R"(, 0.5]}]}])" + joint + "}";
+  Result<Scene> scene = engine::parse_scene(text, "scene");
+  if (!scene) FAIL(scene.error().message);
+  scene->settings.precision = precision;
+  return *std::move(scene);
+}
+
+}  // namespace
+
+TEST_CASE("what a kinematic plate crushes gets no more substeps, and is not crushed further",
+          "[engine][islands][budget]") {
+  for (const Precision precision : {Precision::f32, Precision::f64})
+    for (const int columns : {2, 6}) {
+      CAPTURE(precision, columns);
+      const auto engine =
+          make_engine_or_fail(press(columns, R"("type": "kinematic", "velocity": [0, -0.1])", "", precision));
+      run_ticks(*engine, 300);
+      CHECK(most_in(*engine, "substeps", "count") <= 16);
+      CHECK(report_of(*engine).limited_ticks == 0);
+      // The plate goes .4 m into ten rows: .04 m into each. Stiffer contacts buckle, and overlaps reach .13 m and more.
+      for (const engine::ContactReport& contact : engine->contacts())
+        for (int i = 0; i < contact.point_count; ++i) CHECK(contact.separation[i] > -0.05);
+    }
+}
+
+TEST_CASE("a plate on many columns loads each of them in its middle", "[engine][islands][budget]") {
+  for (const Precision precision : {Precision::f32, Precision::f64}) {
+    CAPTURE(precision);
+    const auto engine = make_engine_or_fail(
+        press(10, R"("angular_damping": 0)",
+              R"(, "joints": [{"type": "prismatic", "body_a": "floor", "body_b": "plate", "anchor": [0, 11.1],)"
+              R"( "axis": [0, -1], "motor": {"speed": 1, "force_max": 10000}}])",
+              precision));
+    run_ticks(*engine, 60);
+    // By its compression, 48 in f32. The lean of a column under a load beside it would ask for 128.
+    CHECK(most_in(*engine, "substeps", "count") == 64);
+    CHECK(report_of(*engine).limited_ticks == 0);
+  }
+}
