@@ -610,7 +610,12 @@ void apply_impacts(const SolvedSet& solved, std::vector<ImpactPair>& impacts, Dr
     };
     const bool a_changes = may_change(hit.body_a), b_changes = may_change(hit.body_b);
     const ImpactEnds ends = hit.is_located ? resolve(solved, direct, work, hit) : ImpactEnds{};
-    if (left > 0 && searches_left > 0 && hit.is_located) {
+    // Impulses change no path of a stopped body. A body that slides into something immovable is stopped once more.
+    const auto takes_impulses = [&](std::uint32_t row) {
+      return is_dynamic(model, state, row) && !work.paths[row].is_stopped;
+    };
+    const bool is_resolved = hit.is_located && (takes_impulses(hit.body_a) || takes_impulses(hit.body_b));
+    if (left > 0 && searches_left > 0 && is_resolved) {
       --left;
     } else {
       // Each iteration stops a body, or is the last iteration of its pair.

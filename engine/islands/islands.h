@@ -27,6 +27,22 @@ void list_fields(LoadEstimate& of, const Visit& visit) {
   visit(load, position_error, local_error);
 }
 
+/// Known forces that have a direction, and what they press together.
+struct DirectedForces {
+  std::vector<Vec2> force;            // [body] N; empty unless loads are measured
+  std::vector<std::uint8_t> is_done;  // [body] its force is in the estimate
+  std::vector<Real> island_force;     // [body] N, at the island's first row: along the present direction
+  std::vector<Real> island_mass;      // [body] kg, at the island's first row: of what is ahead
+  std::vector<Real> error;            // [body] m, along the present direction
+  std::vector<Real> resistance;       // [body] N, the most that it and what is ahead of it can push back with
+};
+
+template <typename Visit>
+void list_fields(DirectedForces& of, const Visit& visit) {
+  auto& [force, is_done, island_force, island_mass, error, resistance] = of;
+  visit(force, is_done, island_force, island_mass, error, resistance);
+}
+
 /// What kinematic bodies do to an island by its contacts, W.
 struct CrushPower {
   Real supplied;
@@ -54,16 +70,11 @@ struct IslandWork {
   std::vector<TiltError> tilt_errors;        // [body] expected at four substeps
   LoadEstimate weights;                      // from weights and known forces
   LoadEstimate measured;
-  LoadEstimate pushes;                        // by kinematic bodies; then those of known forces
-  std::vector<Real> friction;                 // [body] the largest of its contacts
-  std::vector<std::uint32_t> pushed;          // bodies ahead of a kinematic one
-  std::vector<std::uint32_t> pushed_by;       // [body] which of them pushes it
-  std::vector<Vec2> press;                    // [body] N, known forces with a direction; empty as known_force is
-  std::vector<std::uint8_t> press_is_done;    // [body] its known force is in the estimate
-  std::vector<Real> press_force;              // [body] N, at the island's first row: of the direction
-  std::vector<Real> press_mass;               // [body] kg, at the island's first row: of what is ahead
-  std::vector<Real> press_error;              // [body] m, of the direction
-  std::vector<Real> resistance;               // [body] N, the most that what is ahead of it can push back with
+  LoadEstimate pushes;                   // by kinematic bodies, then by directed forces
+  std::vector<Real> friction;            // [body] the largest of its contacts
+  std::vector<std::uint32_t> pushed;     // bodies ahead of a kinematic one
+  std::vector<std::uint32_t> pushed_by;  // [body] which of them pushes it
+  DirectedForces directed;
   std::vector<std::uint8_t> is_floating;      // [body] no immovable body carries it; empty unless loads are measured
   std::vector<Real> known_force;              // [body] N, besides weights; empty unless loads are measured
   std::vector<Real> measured_force;           // [body] N, of its carriers
@@ -86,16 +97,14 @@ template <typename Visit>
 void list_fields(IslandWork& of, const Visit& visit) {
   auto& [body_types, set_keys, island_awake, island_carried, dynamic_count, all_are_held, awake_rows, awake_contacts,
          part_counts, supports, support_start, support_depth, support_order, joint_acceleration, load_moment,
-         load_passed_on, tilt_errors, weights, measured, pushes, friction, pushed, pushed_by, press, press_is_done,
-         press_force, press_mass, press_error, resistance, is_floating, known_force, measured_force, measured_level,
-         measured_level_before, crush, needed_level, first_level, island_errors, substeps_before, idle_ticks, direct,
-         sway, strike, has_direct, island_work] = of;
+         load_passed_on, tilt_errors, weights, measured, pushes, friction, pushed, pushed_by, directed, is_floating,
+         known_force, measured_force, measured_level, measured_level_before, crush, needed_level, first_level,
+         island_errors, substeps_before, idle_ticks, direct, sway, strike, has_direct, island_work] = of;
   visit(body_types, set_keys, island_awake, island_carried, dynamic_count, all_are_held, awake_rows, awake_contacts,
         part_counts, supports, support_start, support_depth, support_order, joint_acceleration, load_moment,
-        load_passed_on, tilt_errors, weights, measured, pushes, friction, pushed, pushed_by, press, press_is_done,
-        press_force, press_mass, press_error, resistance, is_floating, known_force, measured_force, measured_level,
-        measured_level_before, crush, needed_level, first_level, island_errors, substeps_before, idle_ticks, direct,
-        sway, strike, has_direct, island_work);
+        load_passed_on, tilt_errors, weights, measured, pushes, friction, pushed, pushed_by, directed, is_floating,
+        known_force, measured_force, measured_level, measured_level_before, crush, needed_level, first_level,
+        island_errors, substeps_before, idle_ticks, direct, sway, strike, has_direct, island_work);
 }
 
 /// The stage that decides which bodies sleep, which bodies are solved together, and in how many substeps.

@@ -99,9 +99,10 @@ void list_pressed(const State& state, IslandWork& work, std::uint32_t first, Vec
     work.pushed.push_back(row);
   };
   for (const std::uint32_t row : work.awake_rows) {
-    const Vec2 press = work.press[row];
-    if (row < first || work.press_is_done[row] != 0 || !(dot(press, ahead) > absolute(cross(press, ahead)))) continue;
-    work.press_is_done[row] = 1;
+    const Vec2 press = work.directed.force[row];
+    if (row < first || work.directed.is_done[row] != 0 || !(dot(press, ahead) > absolute(cross(press, ahead))))
+      continue;
+    work.directed.is_done[row] = 1;
     work.pushes.load[row] = dot(press, ahead);
     add(row);
   }
@@ -117,32 +118,33 @@ void list_pressed(const State& state, IslandWork& work, std::uint32_t first, Vec
 /// Finds what each listed body can push back with: friction, weight, known forces, and what it takes to keep up with
 /// the others. Immovable bodies push back with any force.
 void find_resistances(const Model& model, const State& state, const TickLists& tick, IslandWork& work, Vec2 ahead) {
-  work.press_force.assign(state.bodies.size(), 0);
-  work.press_mass.assign(state.bodies.size(), 0);
+  work.directed.island_force.assign(state.bodies.size(), 0);
+  work.directed.island_mass.assign(state.bodies.size(), 0);
   const auto mass_of = [&](std::uint32_t row) { return model.bodies[state.bodies[row].source].mass; };
   for (const std::uint32_t row : work.pushed) {
-    work.press_force[tick.island[row]] += work.pushes.load[row];
-    work.press_mass[tick.island[row]] += mass_of(row);
+    work.directed.island_force[tick.island[row]] += work.pushes.load[row];
+    work.directed.island_mass[tick.island[row]] += mass_of(row);
   }
   const Real down = dot(state.world.gravity, ahead);
   const Real across = absolute(cross(state.world.gravity, ahead));
   for (std::size_t i = work.pushed.size(); i-- > 0;) {
     const std::uint32_t row = work.pushed[i];
     const std::uint32_t root = tick.island[row];
-    const Real acceleration = work.press_force[root] / work.press_mass[root];
+    const Real acceleration = work.directed.island_force[root] / work.directed.island_mass[root];
     Real most = mass_of(row) * (acceleration + work.friction[row] * across + larger(-down, 0)) +
-                larger(-dot(work.press[row], ahead), 0);
+                larger(-dot(work.directed.force[row], ahead), 0);
     for_each_ahead(work, row, ahead, [&](const Support& support) {
-      most += is_dynamic(work, support.other) ? work.resistance[support.other] : work.press_force[root];
+      most +=
+          is_dynamic(work, support.other) ? work.directed.resistance[support.other] : work.directed.island_force[root];
     });
-    work.resistance[row] = most;
+    work.directed.resistance[row] = most;
   }
 }
 
 /// Passes the loads on from the hindmost body to the foremost, in equal shares, and adds up the errors.
 void pass_loads(const Model& model, const State& state, IslandWork& work, Vec2 ahead) {
   LoadEstimate& out = work.pushes;
-  std::vector<Real>& error = work.press_error;
+  std::vector<Real>& error = work.directed.error;
   error.assign(state.bodies.size(), 0);
   const auto size_of = [&](std::uint32_t row) { return model.bodies[state.bodies[row].source].size; };
   for (const std::uint32_t row : work.pushed) {
@@ -152,7 +154,7 @@ void pass_loads(const Model& model, const State& state, IslandWork& work, Vec2 a
       const bool both_move = is_dynamic(work, support.other);
       const std::uint32_t to = both_move ? support.other : row;
       const Real share = out.load[row] / static_cast<Real>(count);
-      const Real force = both_move ? smaller(share, work.resistance[to]) : share;
+      const Real force = both_move ? smaller(share, work.directed.resistance[to]) : share;
       const Real compression = force * support.compliance;
       const Real size = both_move ? smaller(size_of(row), size_of(to)) : size_of(row);
       if (both_move) out.load[to] += force;
@@ -165,20 +167,20 @@ void pass_loads(const Model& model, const State& state, IslandWork& work, Vec2 a
 
 }  // namespace
 
-bool estimate_presses(const Model& model, const State& state, const TickLists& tick, IslandWork& work) {
+bool estimate_directed_loads(const Model& model, const State& state, const TickLists& tick, IslandWork& work) {
   bool is_any = false;
   for (const std::uint32_t row : work.awake_rows) {
-    const Vec2 press = work.press[row];
+    const Vec2 press = work.directed.force[row];
     if (!(length(press) > 0) || supports_of(work, row).empty()) continue;
     if (!is_any) {
       find_frictions(state, tick, work);
       work.pushes.position_error.assign(state.bodies.size(), 0);
       work.pushes.local_error.assign(state.bodies.size(), 0);
-      work.press_is_done.assign(state.bodies.size(), 0);
-      work.resistance.assign(state.bodies.size(), 0);
+      work.directed.is_done.assign(state.bodies.size(), 0);
+      work.directed.resistance.assign(state.bodies.size(), 0);
       is_any = true;
     }
-    if (work.press_is_done[row] != 0) continue;
+    if (work.directed.is_done[row] != 0) continue;
     const Vec2 ahead = (1 / length(press)) * press;
     list_pressed(state, work, row, ahead);
     find_resistances(model, state, tick, work, ahead);

@@ -11,8 +11,8 @@ namespace ticktrue::engine::TICKTRUE_PRECISION {
 bool estimate_pushes(const Model& model, const State& state, const TickLists& tick, IslandWork& work, Real dt);
 
 /// Estimates the loads and errors of bodies that known forces press together: work.pushes. False: there are none, and
-/// work.pushes is as before. Requires: as estimate_pushes, and work.press.
-bool estimate_presses(const Model& model, const State& state, const TickLists& tick, IslandWork& work);
+/// work.pushes is as before. Requires: as estimate_pushes, and work.directed.force.
+bool estimate_directed_loads(const Model& model, const State& state, const TickLists& tick, IslandWork& work);
 
 /// Sets the levels that measured loads ask for, `level`, to the least where kinematic bodies crush an island: most of
 /// their power goes into contacts that give way. Their way alone decides how far these give way. More substeps make

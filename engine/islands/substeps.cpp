@@ -118,11 +118,11 @@ void add_position_forces(const Model& model, const State& state, std::vector<Vec
 /// of motors along an axis. A motor far from its speed has its largest force, another motor the force of the last tick.
 void find_known_forces(const Model& model, const State& state, const TickLists& tick, IslandWork& work) {
   work.known_force.assign(state.bodies.size(), 0);
-  work.press.assign(state.bodies.size(), {0, 0});
-  add_position_forces(model, state, work.press);
+  work.directed.force.assign(state.bodies.size(), {0, 0});
+  add_position_forces(model, state, work.directed.force);
   for (const std::uint32_t row : work.support_order) {
     const std::uint32_t source = state.bodies[row].source;
-    Vec2& force = work.press[row];
+    Vec2& force = work.directed.force[row];
     if (!tick.force.empty()) force = force + tick.force[row];
     if (!model.body_forces.empty()) force = force + model.bodies[source].mass * model.body_forces[source].acceleration;
     work.known_force[row] = length(force) + drag_force(model, state.bodies[row]);
@@ -131,7 +131,7 @@ void find_known_forces(const Model& model, const State& state, const TickLists& 
     const std::uint32_t row = row_of(state, pointer.body);
     const KnownForce force = pointer_force(model, state, pointer);
     work.known_force[row] += force.size;
-    work.press[row] = work.press[row] + force.size * force.along;
+    work.directed.force[row] = work.directed.force[row] + force.size * force.along;
   }
   for (const JointRow& joint : state.joints) {
     if (!slides(joint)) continue;
@@ -145,8 +145,8 @@ void find_known_forces(const Model& model, const State& state, const TickLists& 
     if (joint.kind != static_cast<std::uint32_t>(JointKind::prismatic)) continue;  // the motor of a wheel turns it
     const Real along = is_slow && joint.motor_speed < 0 ? -force : is_slow ? force : joint.motor_force;
     const Vec2 push = along * rotate(state.bodies[a].rotation, model.joints[joint.joint].axis);
-    work.press[a] = work.press[a] - push;
-    work.press[b] = work.press[b] + push;
+    work.directed.force[a] = work.directed.force[a] - push;
+    work.directed.force[b] = work.directed.force[b] + push;
   }
 }
 
@@ -475,7 +475,7 @@ void estimate_needs(const Model& model, State& state, TickLists& tick, IslandWor
   }
   if (is_measured && estimate_pushes(model, state, tick, work, dt))
     raise_levels(model, state, tick, work, work.pushes, level);
-  if (is_measured && estimate_presses(model, state, tick, work))
+  if (is_measured && estimate_directed_loads(model, state, tick, work))
     raise_levels(model, state, tick, work, work.pushes, level);
   const auto most = static_cast<std::uint32_t>(settings.auto_substeps->substeps_max);
   const auto turn_of = [&](std::uint32_t row) { return absolute(state.bodies[row].angular_velocity); };
