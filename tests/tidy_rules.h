@@ -183,7 +183,8 @@ inline constexpr Room rooms[] = {
     {"engine/broad_phase", before_islands},
     {"engine/narrow_phase", before_islands},
     {"engine/islands",
-     "base,base/parallel,engine/math,engine/model,engine/contacts,engine/joints,engine/joints/direct,engine/impacts"},
+     "engine/integrators,base,base/parallel,engine/math,engine/model,engine/contacts,engine/joints,engine/joints/"
+     "direct,engine/impacts"},
     {"engine/contacts", "base,base/parallel,engine/math,engine/simd,engine/model,engine/integrators"},
     {"engine/joints",
      "base,base/parallel,base/state,engine/math,engine/scene,engine/model,engine/contacts,engine/joints/batched"},

@@ -108,6 +108,7 @@ void list_pressed(const State& state, IslandWork& work, std::uint32_t first, Vec
   }
   for (std::size_t i = 0; i < work.pushed.size(); ++i)
     for_each_ahead(work, work.pushed[i], ahead, [&](const Support& support) { add(support.other); });
+  // total order: by way, then row
   std::sort(work.pushed.begin(), work.pushed.end(), [&](std::uint32_t a, std::uint32_t b) {
     const Real way_a = dot(state.bodies[a].position, ahead);
     const Real way_b = dot(state.bodies[b].position, ahead);

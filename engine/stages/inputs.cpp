@@ -257,6 +257,7 @@ void remove_body(const Model& model, State& state, TickLists& tick, std::size_t 
 void apply_inputs(const Model& model, State& state, TickLists& tick, Real) {
   tick.first_new_id = state.world.next_id;
   for (const Input& input : tick.inputs) info_of(input_functions, input.kind).act(model, state, tick, input);
+  // total order: by id
   std::sort(tick.moved_before.begin(), tick.moved_before.end());
 }
 
