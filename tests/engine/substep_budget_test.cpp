@@ -7,6 +7,7 @@
 #include "base/hash.h"
 #include "base/parallel/chunk_order.h"
 #include "engine/builtin_scenes/builtin_scenes.h"
+#include "engine/scene/input.h"
 #include "engine/scene/scene_binary.h"
 #include "engine/scene/scene_json.h"
 #include "tests/support/engine_runs.h"
@@ -244,5 +245,27 @@ TEST_CASE("a plate on many columns loads each of them in its middle", "[engine][
     // By its compression, 48 in f32. The lean of a column under a load beside it would ask for 128.
     CHECK(most_in(*engine, "substeps", "count") == 64);
     CHECK(report_of(*engine).limited_ticks == 0);
+  }
+}
+
+TEST_CASE("substeps that are kept after a need are given up before the budget limits what is needed",
+          "[engine][islands][budget]") {
+  for (const Precision precision : {Precision::f32, Precision::f64}) {
+    CAPTURE(precision);
+    Scene scene = press(10, R"("angular_damping": 0)", "", precision);
+    scene.inputs = {engine::InputKind::force};
+    const auto engine = make_engine_or_fail(scene);
+    run_ticks(*engine, 60);
+    REQUIRE(report_of(*engine).limited_ticks == 0);
+    engine::Input push;
+    push.kind = engine::InputKind::force;
+    push.body = static_cast<std::uint32_t>(scene.bodies.size() - 1);
+    push.values = {0, -1e6};
+    Bytes bytes;
+    engine::encode_inputs(std::vector<engine::Input>{push}, bytes);
+    REQUIRE(engine->step({scene.settings.dt, bytes}, nullptr));
+    CHECK(report_of(*engine).limited_ticks == 1);
+    run_ticks(*engine, 60);
+    CHECK(report_of(*engine).limited_ticks <= 4);
   }
 }
