@@ -18,7 +18,7 @@
 namespace ticktrue::engine {
 
 /// Rises with every intended change of bits; CHANGELOG marks it with *TRACE*.
-inline constexpr std::uint32_t physics_version = 29;
+inline constexpr std::uint32_t physics_version = 30;
 inline constexpr std::string_view simulation_name = "ticktrue.engine";
 
 /// Options that change no bit of the state columns that two engines share.

@@ -88,6 +88,7 @@ struct IslandWork {
   std::vector<std::uint32_t> idle_ticks;             // [body] at the island's first row
   DirectMarks direct;                                // empty unless loads are measured and joints are direct
   std::vector<Real> sway;                            // [body] 1/s^2, of bodies on direct joints
+  std::vector<Real> turn;                            // [body] 1/s, of bodies on direct joints and of their rods
   std::vector<Real> strike;                          // [body] 1/s, of what will hit it in this tick
   std::vector<std::uint8_t> has_direct;              // [body] at the island's first row: it has direct joints
   std::vector<std::uint64_t> island_work;            // [body] at the island's first row, of a substep
@@ -99,12 +100,12 @@ void list_fields(IslandWork& of, const Visit& visit) {
          part_counts, supports, support_start, support_depth, support_order, joint_acceleration, load_moment,
          load_passed_on, tilt_errors, weights, measured, pushes, friction, pushed, pushed_by, directed, is_floating,
          known_force, measured_force, measured_level, measured_level_before, crush, needed_level, first_level,
-         island_errors, substeps_before, idle_ticks, direct, sway, strike, has_direct, island_work] = of;
+         island_errors, substeps_before, idle_ticks, direct, sway, turn, strike, has_direct, island_work] = of;
   visit(body_types, set_keys, island_awake, island_carried, dynamic_count, all_are_held, awake_rows, awake_contacts,
         part_counts, supports, support_start, support_depth, support_order, joint_acceleration, load_moment,
         load_passed_on, tilt_errors, weights, measured, pushes, friction, pushed, pushed_by, directed, is_floating,
         known_force, measured_force, measured_level, measured_level_before, crush, needed_level, first_level,
-        island_errors, substeps_before, idle_ticks, direct, sway, strike, has_direct, island_work);
+        island_errors, substeps_before, idle_ticks, direct, sway, turn, strike, has_direct, island_work);
 }
 
 /// The stage that decides which bodies sleep, which bodies are solved together, and in how many substeps.

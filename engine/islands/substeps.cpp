@@ -150,11 +150,14 @@ void find_known_forces(const Model& model, const State& state, const TickLists& 
   }
 }
 
-constexpr Real turn_max = Real(0.1);         // rad, of a body on direct joints in a substep: a whip loses energy beyond
+// rad, of a body on direct joints, or of a rigid rod, in a substep: a whip loses energy beyond.
+constexpr Real turn_max = Real(0.03);
 constexpr Real sway_max = Real(0.6);         // rate times substep: light links between heavy bodies come apart beyond
 constexpr Real whirl_sway_max = Real(0.15);  // where no weight loads the joints: a bent chain loses energy beyond
 // Of what hits bodies on direct joints: sizes of the smaller shape in a substep.
 constexpr Real strike_max = Real(0.05);
+// What hits an immovable body turns about its joints only afterwards. Then its joints may open.
+constexpr Real immovable_strike_share = Real(0.25);
 constexpr std::uint32_t sway_substeps_max = 64;  // enough for 10,000 times the mass of a link at its end
 
 // A measured load counts if it exceeds the weights by this factor, since measured loads of bodies at rest vary.
@@ -245,14 +248,37 @@ void estimate_tilts(const State& state, IslandWork& work) {
   }
 }
 
-/// The least power of two times `least`, at most `most`, for which the error of a body is allowed.
+/// The least multiple of `least` that is enough, at most `most`. What is enough stays enough for a larger number.
+template <typename IsEnough>
+std::uint32_t least_multiple(std::uint32_t least, std::uint32_t most, const IsEnough& is_enough) {
+  if (is_enough(least)) return least;
+  std::uint32_t too_few = 1;  // in multiples of `least`
+  std::uint32_t enough = most / least + 1;
+  while (enough - too_few > 1) {
+    const std::uint32_t middle = (too_few + enough) / 2;
+    if (is_enough(least * middle))
+      enough = middle;
+    else
+      too_few = middle;
+  }
+  return std::min(least * enough, most);
+}
+
+/// The number of substeps for which the error of a body is allowed.
 std::uint32_t wanted_substeps(Real error, Real allowed, std::uint32_t least, std::uint32_t most) {
-  std::uint32_t count = least;
   // error at n substeps = error * (4 / n)^2
-  while (count < most && error * static_cast<Real>(reference_substeps * reference_substeps) >
-                             allowed * static_cast<Real>(count) * static_cast<Real>(count))
-    count *= 2;
-  return count < most ? count : most;
+  return least_multiple(least, most, [&](std::uint32_t count) {
+    return !(error * static_cast<Real>(reference_substeps * reference_substeps) >
+             allowed * static_cast<Real>(count) * static_cast<Real>(count));
+  });
+}
+
+/// The least power of two times `least` that is at least `count`, at most `most`. The margin is for what the estimate
+/// leaves out, such as landings. Rounding up commutes with the larger and the smaller of two numbers.
+std::uint32_t with_margin(std::uint32_t count, std::uint32_t least, std::uint32_t most) {
+  std::uint32_t rounded = least;
+  while (rounded < count) rounded *= 2;
+  return std::min(rounded, most);
 }
 
 // The largest mass that constraints may add on a path to the ground, relative to the supported mass.
@@ -343,13 +369,39 @@ void find_sways(const Model& model, const State& state, IslandWork& work) {
   }
 }
 
-/// The greatest speed, in sizes of the smaller shape per second, at which a moving body will hit each body in this
-/// tick.
+/// The rates at which bodies on direct joints turn, and the rods that hold them: a disc on rods may itself not turn.
+void find_turns(const Model& model, const State& state, IslandWork& work) {
+  work.turn.assign(state.bodies.size(), 0);
+  for (std::size_t i = 0; i < work.direct.is_direct.size(); ++i) {
+    if (work.direct.is_direct[i] == 0) continue;
+    const JointModel& joint = model.joints[state.joints[i].joint];
+    for_each_body(model, joint, [&](std::uint32_t id) {
+      const std::uint32_t row = row_of(state, id);
+      work.turn[row] = larger(work.turn[row], absolute(state.bodies[row].angular_velocity));
+    });
+    if (joint.kind != JointKind::distance || !joint.rigid || !(joint.length > 0)) continue;
+    const std::uint32_t a = row_of(state, state.joints[i].body_a);
+    const std::uint32_t b = row_of(state, state.joints[i].body_b);
+    const BodyRow& body_a = state.bodies[a];
+    const BodyRow& body_b = state.bodies[b];
+    const Vec2 arm_a = rotate(body_a.rotation, joint.anchor_a);
+    const Vec2 arm_b = rotate(body_b.rotation, joint.anchor_b);
+    const Vec2 line = (body_b.position + arm_b) - (body_a.position + arm_a);
+    const Vec2 velocity = (body_b.velocity + cross(body_b.angular_velocity, arm_b)) -
+                          (body_a.velocity + cross(body_a.angular_velocity, arm_a));
+    const Real rate = absolute(cross(line, velocity)) / (joint.length * joint.length);
+    work.turn[a] = larger(work.turn[a], rate);
+    work.turn[b] = larger(work.turn[b], rate);
+  }
+}
+
+/// The greatest speed, in sizes of the smaller shape per second, at which each body will hit or be hit in this tick.
 void find_strikes(const State& state, const TickLists& tick, Real dt, IslandWork& work) {
   work.strike.assign(state.bodies.size(), 0);
   for (const std::uint32_t contact : work.awake_contacts) {
     const ContactPair& pair = tick.contact_pairs[contact];
-    if (!is_dynamic(work, pair.body_a) || !is_dynamic(work, pair.body_b)) continue;
+    const bool both_move = is_dynamic(work, pair.body_a) && is_dynamic(work, pair.body_b);
+    const Real share = both_move ? Real(1) : immovable_strike_share;
     const BodyRow& a = state.bodies[pair.body_a];
     const BodyRow& b = state.bodies[pair.body_b];
     for (int i = 0; i < pair.manifold.point_count; ++i) {
@@ -359,7 +411,7 @@ void find_strikes(const State& state, const TickLists& tick, Real dt, IslandWork
       const Real closing = -dot(velocity, pair.manifold.normal);
       if (!(closing * dt > point.separation)) continue;
       for (const std::uint32_t row : {pair.body_a, pair.body_b})
-        work.strike[row] = larger(work.strike[row], closing / pair.size);
+        work.strike[row] = larger(work.strike[row], share * closing / pair.size);
     }
   }
 }
@@ -376,9 +428,8 @@ void raise_by_rates(const Model& model, const State& state, TickLists& tick, con
       const std::uint32_t row = row_of(state, id);
       if (!is_dynamic(work, row)) return;
       const Real turn = rate_of(row) * dt;
-      std::uint32_t count = least;
-      while (count < most && turn > most_turn * static_cast<Real>(count)) count *= 2;
-      count = count < most ? count : most;
+      const std::uint32_t count = least_multiple(
+          least, most, [&](std::uint32_t some) { return !(turn > most_turn * static_cast<Real>(some)); });
       std::uint32_t& at = level[tick.island[row]];
       if (count > at) at = count;
     });
@@ -425,6 +476,7 @@ void raise_by_measured_loads(const Model& model, State& state, TickLists& tick, 
   forget_crushed(model, state, tick, work, now);
   find_sways(model, state, work);
   const auto sway_of = [&](std::uint32_t row) { return square_root(work.sway[row]); };
+  const auto least = static_cast<std::uint32_t>(model.scene.settings.substeps);
   const auto most = static_cast<std::uint32_t>(model.scene.settings.auto_substeps->substeps_max);
   raise_by_rates(model, state, tick, work, dt, sway_max, std::min(most, sway_substeps_max), sway_of, now);
   std::vector<std::uint32_t>& before = work.measured_level_before;
@@ -435,7 +487,7 @@ void raise_by_measured_loads(const Model& model, State& state, TickLists& tick, 
   }
   for (const std::uint32_t row : work.awake_rows) {
     const std::uint32_t root = tick.island[row];
-    state.loads[row].wanted = now[root];
+    state.loads[row].wanted = with_margin(now[root], least, most);
     const std::uint32_t both = now[root] < before[root] ? now[root] : before[root];
     if (both > level[root]) level[root] = both;
   }
@@ -453,7 +505,7 @@ void need_nothing(const Model& model, State& state, TickLists& tick, const Islan
     state.loads[row].wanted = static_cast<std::uint32_t>(settings.substeps);
 }
 
-/// Finds the needs of all islands: tick.island_level, tick.load, tick.mass_factor.
+/// Finds the needs of all islands, without margin: tick.island_level, tick.load, tick.mass_factor.
 void estimate_needs(const Model& model, State& state, TickLists& tick, IslandWork& work, Real dt) {
   const Settings& settings = model.scene.settings;
   const bool is_measured = settings.substep_loads == SubstepLoads::measured;
@@ -478,7 +530,8 @@ void estimate_needs(const Model& model, State& state, TickLists& tick, IslandWor
   if (is_measured && estimate_directed_loads(model, state, tick, work))
     raise_levels(model, state, tick, work, work.pushes, level);
   const auto most = static_cast<std::uint32_t>(settings.auto_substeps->substeps_max);
-  const auto turn_of = [&](std::uint32_t row) { return absolute(state.bodies[row].angular_velocity); };
+  find_turns(model, state, work);
+  const auto turn_of = [&](std::uint32_t row) { return work.turn[row]; };
   raise_by_rates(model, state, tick, work, dt, turn_max, most, turn_of, level);
   if (!work.direct.is_direct.empty()) {
     find_strikes(state, tick, dt, work);
@@ -542,11 +595,15 @@ void choose_substeps(const Model& model, State& state, TickLists& tick, IslandWo
   if (work.all_are_held) {  // the needs stay as they are
     tick.load.assign(count, 0);
     tick.mass_factor.assign(count, 1);
+    work.needed_level = tick.island_level;
   } else {
     estimate_needs(model, state, tick, work, dt);
+    work.needed_level = tick.island_level;
+    const auto least = static_cast<std::uint32_t>(settings.substeps);
+    const auto most = static_cast<std::uint32_t>(settings.auto_substeps->substeps_max);
+    for (std::uint32_t& level : tick.island_level) level = with_margin(level, least, most);
     change_levels(state, tick, work);
   }
-  work.needed_level = tick.island_level;
   for (const std::uint32_t row : work.awake_rows) {
     const std::uint32_t root = tick.island[row];
     const std::uint32_t first = work.first_level.empty() ? 0 : work.first_level[root];

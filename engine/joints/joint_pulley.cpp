@@ -142,16 +142,15 @@ void solve_pulley(JointWork& joint, JointBodies& pair, Real h, Bias bias) {
   solve_rigid(joint, row, moved, error, soft, joint.impulses.linear.x, lengthening);
   const Real whole = joint.model->length;
   const Real shortest = shortest_share * whole;
-  const bool both_move = joint.inv_mass_a > 0 && joint.inv_mass_b > 0;
   const bool a_stops =
-      both_move && is_at_anchor(row.a, moved.a, joint.axis.x, whole - row.ratio * row.b.length, shortest, h);
+      joint.inv_mass_a > 0 && is_at_anchor(row.a, moved.a, joint.axis.x, whole - row.ratio * row.b.length, shortest, h);
   const bool b_stops =
-      both_move && !a_stops && is_at_anchor(row.b, moved.b, joint.axis.y, whole - row.a.length, shortest, h);
+      joint.inv_mass_b > 0 && !a_stops && is_at_anchor(row.b, moved.b, joint.axis.y, whole - row.a.length, shortest, h);
   if (a_stops || b_stops) {
     const Real speed = a_stops ? stop_at_anchor(row.a, pair.a, joint.inv_mass_a, joint.inv_inertia_a, h)
                                : row.ratio * stop_at_anchor(row.b, pair.b, joint.inv_mass_b, joint.inv_inertia_b, h);
     row.mobility = row.a.mobility + row.ratio * row.ratio * row.b.mobility;
-    joint.impulses.linear.x = before;
+    joint.impulses.linear.x = row.mobility > 0 ? before : Real(0);  // an immovable other end has no mobility
     solve_rigid(joint, row, pair, error, soft, joint.impulses.linear.x, speed);
   } else {
     pair = moved;

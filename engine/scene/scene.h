@@ -225,7 +225,7 @@ struct Settings {
   bool operator==(const Settings&) const = default;
 };
 
-inline constexpr int default_substep_budget = 160;
+inline constexpr int default_substep_budget = 184;
 
 /// Automatic substeps as scene files have them by `"substeps": "auto"` alone: from all loads, within a budget, and with
 /// joints that are solved directly if the solver can.

@@ -144,6 +144,35 @@ TEST_CASE("worlds of a baseline are not judged, and no rule of theirs breaks", "
   }
 }
 
+TEST_CASE("pushes that stay may add the work that theory allows them, and no more", "[verifier][soak][law][analytic]") {
+  // A small disc, deep in a large one, is pushed out at 3 m/s under `pgs`. After a quarter of a second it meets a disc
+  // of its own mass, which the large one does not touch. Both are pushed on to 3 m/s, so their energy doubles.
+  SoakCase pushed{empty_scene(), {}, 64};
+  Scene& scene = pushed.scene;
+  scene.gravity = {};
+  scene.settings.solver = engine::SolverKind::pgs;
+  scene.bodies = {body_of(disc_shape(4), {0, 0}), body_of(disc_shape(0.1), {0.5, 0}),
+                  body_of(disc_shape(0.1), {1.5, 0})};
+  for (const std::size_t i : {0u, 2u}) scene.bodies[i].shapes[0].filter.group = -1;
+  scene.settings.substeps = 1;
+  REQUIRE(engine::make_engine(scene));
+  const CaseInputs inputs(pushed);
+  BaseRun base;
+  base.tick_count = pushed.tick_count;
+  const auto breaks = [&](const EngineMaker& make) { return count_physics({pushed, inputs, make}, base).broken[0]; };
+  CHECK(!breaks(engine::make_engine));
+  // The same rise of energy without forces that push, or with a speed that they do not give.
+  const auto with = [](auto wrap) -> EngineMaker {
+    return [wrap](const Scene& world, const engine::EngineOptions& options) -> Result<std::unique_ptr<Engine>> {
+      auto made = engine::make_engine(world, options);
+      if (made) *made = wrap(*std::move(made));
+      return made;
+    };
+  };
+  CHECK(breaks(with([](auto inner) { return std::make_unique<SaysOverlap>(std::move(inner), 3.5, 0); })));
+  CHECK(breaks(with([](auto inner) { return std::make_unique<SaysFaster>(std::move(inner)); })));
+}
+
 TEST_CASE("soak tells the tick in which a world breaks a rule of physics, for each rule",
           "[verifier][soak][law][analytic]") {
   const EngineMaker make = [](const Scene& scene,

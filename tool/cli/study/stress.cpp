@@ -460,7 +460,7 @@ void add_stress(CLI::App& app, CliContext& context) {
       ->needs(run_time)
       ->check(CLI::IsMember(loads));
   add_number(*command, "--budget", options->budget,
-             "Of --run-time: substep_budget of the scenes, 0: no limit; default: 160",
+             "Of --run-time: substep_budget of the scenes, 0: no limit; default: 184",
              {0, static_cast<std::uint64_t>(engine::ranges::substep_budget.max)})
       ->needs(run_time);
   command->add_flag("--brief", options->brief, "One line a case");
