@@ -36,6 +36,7 @@ struct CrosscheckBody {
   double width = 0;         // m, across
   double height = 0;        // m, up
   double weight = 0;        // N
+  double friction = 0;      // the least of its shapes
   double drop = 0;  // m that the body sinks straight down until all bodies below touch; infinite: nothing is below
   std::vector<std::uint32_t> supports;  // ids of the bodies that carry it after the drop
 };
@@ -48,12 +49,14 @@ struct CrosscheckLayout {
   std::vector<CrosscheckBody> bodies;  // by id
   std::size_t dynamic_count = 0;
   std::size_t placed_count = 0;
-  bool is_structure = false;  // at least half of the dynamic bodies are placed
-  bool is_column = false;     // a structure in which every body lies on one body and carries at most one
-  double size = 0;            // m, median over dynamic bodies of the smaller of width and height
-  double base = 0;            // m up, lowest point of the dynamic bodies after the drop
-  double height = 0;          // m, of the highest centre of mass above the base after the drop, at least `size`
-  double rest_speed = 0;      // m/s: a slower body counts as at rest
+  bool is_structure = false;      // at least half of the dynamic bodies are placed
+  bool has_weight_alone = false;  // no joints, force elements, conveyors or moving kinematic bodies
+  engine::MixRule friction_mix = engine::MixRule::geometric_mean;
+  bool is_column = false;  // a structure in which every body lies on one body and carries at most one
+  double size = 0;         // m, median over dynamic bodies of the smaller of width and height
+  double base = 0;         // m up, lowest point of the dynamic bodies after the drop
+  double height = 0;       // m, of the highest centre of mass above the base after the drop, at least `size`
+  double rest_speed = 0;   // m/s: a slower body counts as at rest
   std::vector<std::vector<std::uint32_t>> body_rows;  // bodies that touch side by side, from left to right
   std::shared_ptr<const engine::Scene> jointed;       // the scene, if it has joints
 };
@@ -77,7 +80,9 @@ struct CrosscheckRun {
   bool stood = false;                  // nearly all placed bodies stand
   double top = 0;                      // m over the base, highest centre of mass of a dynamic body
   double order = 0;                    // share of supports that are still below the body that they carried
-  double tilt_deg = 0;                 // largest rotation of a placed body, at most 45
+  double tilt_deg = 0;                 // largest rotation of a placed body, at most 45; 45 for good once it had it
+  bool toppled = false;                // a placed body had a rotation of 45 degrees
+  bool balances = false;               // it stands, and statics finds contact forces that carry it; false: or not known
   double settle_s = 0;                 // time at which the bodies came to rest for good; infinite: never
   double penetration = 0;              // deepest overlap, relative to the size of the smaller body
   double penetration_unexplained = 0;  // the same, minus the overlap that the contact forces cause in soft contacts
@@ -123,6 +128,7 @@ class CrosscheckMeasure {
   };
   std::vector<Carrier> find_carriers() const;
   Chain follow_chain(std::size_t body, const std::vector<Carrier>& carriers) const;
+  bool balances(const std::vector<const engine::BodyReport*>& found) const;
   void measure_chains(CrosscheckRun& run) const;
   void measure_places(CrosscheckRun& run, const std::vector<const engine::BodyReport*>& found) const;
   void close_rows(CrosscheckRun& run, const std::vector<double>& across, const std::vector<bool>& present) const;
@@ -134,6 +140,7 @@ class CrosscheckMeasure {
   double time_s_ = 0;
   std::vector<double> moving_until_s_;  // by id
   std::vector<double> fast_until_s_;    // by id
+  std::vector<bool> toppled_;           // by id
   std::vector<engine::BodyReport> last_bodies_;
   std::vector<engine::ContactReport> last_contacts_;
   std::size_t contact_sample_count_ = 0;
@@ -148,6 +155,8 @@ class CrosscheckMeasure {
 
 inline constexpr std::string_view stands_criterion = "stands or falls";
 inline constexpr std::string_view joints_criterion = "joints hold";
+inline constexpr std::string_view top_criterion = "top height";
+inline constexpr std::string_view travel_criterion = "slides or holds";
 
 /// One criterion of one solver.
 struct CriterionResult {
@@ -180,6 +189,14 @@ std::vector<CriterionResult> compare_runs(const CrosscheckLayout& layout, const 
 /// the finest steps.
 void judge_by_finest(std::vector<CriterionResult>& rows, const std::vector<CriterionResult>& finest,
                      int steps_per_tick);
+
+/// Corrects `stands` by what statics says, whoever drops the structure. Requires of every run of `own_finest`, ours
+/// with smaller steps, that it stands at rest and that forces balance it (statics.h, without a solver). Then ours
+/// differs if it falls, also where Box2D's finest steps fall; and if ours stands at rest too, the fall of Box2D's
+/// finest steps is a missing convergence of Box2D, and the differences that follow from it are `expected`. `how`: the
+/// smaller steps.
+void judge_by_rest(std::vector<CriterionResult>& rows, const std::vector<CrosscheckRun>& ours,
+                   const std::vector<CrosscheckRun>& own_finest, std::string_view how);
 
 /// The criteria that judge single bodies. A body differs only if both engines are certain of its place. Box2D is
 /// certain if its seeds and its smaller steps agree (`finer`: one ensemble per step size). The engine is certain if its

@@ -212,12 +212,25 @@ void find_rows(const std::vector<Outlines>& outlines, CrosscheckLayout& layout) 
   close_row();
 }
 
+bool has_weight_alone(const engine::Scene& scene) {
+  const auto is_driven = [](const Body& body) {
+    const bool moves = body.velocity.x != 0 || body.velocity.y != 0 || body.angular_velocity != 0;
+    const auto is_conveyor = [](const Shape& shape) { return shape.material.tangent_speed != 0; };
+    return (body.type == BodyType::kinematic_body && moves) ||
+           std::any_of(body.shapes.begin(), body.shapes.end(), is_conveyor);
+  };
+  return scene.joints.empty() && scene.forces.empty() &&
+         std::none_of(scene.bodies.begin(), scene.bodies.end(), is_driven);
+}
+
 }  // namespace
 
 CrosscheckLayout make_layout(const engine::Scene& scene) {
   CrosscheckLayout layout;
   if (!scene.joints.empty()) layout.jointed = std::make_shared<const engine::Scene>(scene);
   layout.gravity = std::hypot(scene.gravity.x, scene.gravity.y);
+  layout.has_weight_alone = has_weight_alone(scene);
+  layout.friction_mix = scene.settings.friction_mix;
   if (layout.gravity > 0) {
     layout.up = {-scene.gravity.x / layout.gravity, -scene.gravity.y / layout.gravity};
     layout.right = {layout.up.y, -layout.up.x};
@@ -237,7 +250,9 @@ CrosscheckLayout make_layout(const engine::Scene& scene) {
     body.across = dot(center, layout.right);
     body.up = dot(center, layout.up);
     body.angle = description.angle;
+    body.friction = description.shapes.empty() ? 0 : infinite;
     for (const Shape& shape : description.shapes) {
+      body.friction = std::min(body.friction, shape.material.friction);
       if (shape.kind != ShapeKind::circle) body.shows_tilt = true;
       Outlines& all = outlines[i];
       for (BoundedOutline& outline : bounded_outlines_of(description, shape, layout)) {

@@ -6,6 +6,7 @@
 
 #include "engine/math/trig.h"
 #include "tool/crosscheck/crosscheck.h"
+#include "tool/crosscheck/statics.h"
 #include "tool/drawing/joint_geometry.h"
 
 namespace ticktrue::tool {
@@ -38,6 +39,20 @@ double tilt_of(const BodyReport& body, const CrosscheckBody& start) {
   return std::fabs(std::remainder(body.angle - start.angle, 2 * engine::pi)) * 180 / engine::pi;
 }
 
+double mixed(engine::MixRule rule, double a, double b) {
+  switch (rule) {
+    case engine::MixRule::geometric_mean:
+      return std::sqrt(a * b);
+    case engine::MixRule::maximum:
+      return std::max(a, b);
+    case engine::MixRule::minimum:
+      return std::min(a, b);
+    case engine::MixRule::average:
+      return (a + b) / 2;
+  }
+  return 0;
+}
+
 double inverse(double value) {
   return value > 0 ? 1 / value : 0;
 }
@@ -58,6 +73,7 @@ CrosscheckMeasure::CrosscheckMeasure(const CrosscheckLayout& layout, double cont
       skin_(skin),
       moving_until_s_(layout.bodies.size(), 0),
       fast_until_s_(layout.bodies.size(), 0),
+      toppled_(layout.bodies.size(), false),
       carried_sum_(layout.bodies.size(), 0) {}
 
 void CrosscheckMeasure::add(double time_s, const std::vector<BodyReport>& bodies,
@@ -68,6 +84,8 @@ void CrosscheckMeasure::add(double time_s, const std::vector<BodyReport>& bodies
     const double sum =
         body.center.x + body.center.y + body.angle + body.velocity.x + body.velocity.y + body.angular_velocity;
     if (!std::isfinite(sum)) is_finite_ = false;
+    const CrosscheckBody& start = layout_.bodies[body.id];
+    if (start.is_placed && start.shows_tilt && tilt_of(body, start) >= tilt_shown_max_deg) toppled_[body.id] = true;
     const double spin_speed = std::fabs(body.angular_velocity) * layout_.bodies[body.id].width / 2;
     const double speed = std::hypot(body.velocity.x, body.velocity.y);
     if (speed + spin_speed > layout_.rest_speed) moving_until_s_[body.id] = time_s;
@@ -156,7 +174,8 @@ CrosscheckRun CrosscheckMeasure::finish() const {
       settled.push_back(moving_until_s_[id]);
       if (start.is_placed) {
         const double tilt = start.shows_tilt ? tilt_of(*body, start) : 0;
-        run.tilt_deg = std::max(run.tilt_deg, std::min(tilt, tilt_shown_max_deg));
+        run.tilt_deg = std::max(run.tilt_deg, toppled_[id] ? tilt_shown_max_deg : tilt);
+        run.toppled = run.toppled || toppled_[id];
         const double sunk = up - (start.up - (std::isfinite(start.drop) ? start.drop : 0));
         if (tilt <= standing_tilt_max_deg && std::fabs(across[id]) <= standing_move_max * start.width &&
             std::fabs(sunk) <= standing_move_max * start.height)
@@ -217,11 +236,33 @@ CrosscheckRun CrosscheckMeasure::finish() const {
                      std::fabs(carried_sum_[id] / static_cast<double>(contact_sample_count_) - load[id]) / load[id]);
   }
 
+  run.balances = run.stood && balances(found);
   measure_chains(run);
   measure_places(run, found);
   close_rows(run, across, present);
   std::sort(run.travel.begin(), run.travel.end());
   return run;
+}
+
+bool CrosscheckMeasure::balances(const std::vector<const BodyReport*>& found) const {
+  if (!layout_.has_weight_alone || !layout_.is_structure) return false;
+  std::vector<StaticBody> bodies(layout_.bodies.size());
+  for (std::size_t id = 0; id < bodies.size(); ++id) {
+    const CrosscheckBody& start = layout_.bodies[id];
+    if (!start.is_dynamic || !found[id]) continue;  // what has left carries and weighs nothing
+    const Point weight{-start.weight * layout_.up.x, -start.weight * layout_.up.y};
+    bodies[id] = {true, found[id]->center, weight, std::min(start.width, start.height)};
+  }
+  std::vector<StaticContact> points;
+  for (const ContactReport& contact : last_contacts_) {
+    if (contact.body_a >= bodies.size() || contact.body_b >= bodies.size()) continue;
+    const double friction =
+        mixed(layout_.friction_mix, layout_.bodies[contact.body_a].friction, layout_.bodies[contact.body_b].friction);
+    for (int i = 0; i < contact.point_count; ++i)
+      if (contact.normal_force[i] > 0)
+        points.push_back({contact.body_a, contact.body_b, contact.point[i], contact.normal, friction});
+  }
+  return can_balance(bodies, points);
 }
 
 // The body that carries most of each body's weight from below, by id.

@@ -22,7 +22,7 @@ using test::contains;
 
 namespace {
 
-const std::string root = TICKTRUE_SOURCE_DIR;
+const std::string source_root = TICKTRUE_SOURCE_DIR;
 
 bool begins_with(const std::string& name, std::string_view start) {
   return name.compare(0, start.size(), start) == 0;
@@ -121,7 +121,7 @@ TEST_CASE("a row tells the precision that its case ran with", "[verifier][study]
 
 TEST_CASE("the cases that README gives automatic substeps as the cure for are judged by it",
           "[verifier][study][stress][docs]") {
-  const std::string readme = source_tree::read_text(root + "/README.md");
+  const std::string readme = source_tree::read_text(source_root + "/README.md");
   const std::size_t at = readme.find("`ticktrue stress ");
   REQUIRE(at != std::string::npos);
   std::string command = readme.substr(at + 17, readme.find('`', at + 1) - at - 17);
@@ -149,7 +149,7 @@ TEST_CASE("the cases that README gives automatic substeps as the cure for are ju
 
 TEST_CASE("each shortfall and each cure of a stress case is one of a method of its, and stands in the documents",
           "[verifier][study][stress][docs]") {
-  const std::string study = source_tree::read_text(root + "/docs/study.md");
+  const std::string study = source_tree::read_text(source_root + "/docs/study.md");
   for (const tool::StressCase& c : tool::stress_cases()) {
     CAPTURE(c.name);
     const auto has_method = [&](const std::string& name) {
@@ -163,7 +163,7 @@ TEST_CASE("each shortfall and each cure of a stress case is one of a method of i
     }
     for (const tool::StressCure& cure : c.cures) {
       CHECK(has_method(cure.method));
-      CHECK_FALSE(source_tree::read_text(root + "/" + cure.place).empty());
+      CHECK_FALSE(source_tree::read_text(source_root + "/" + cure.place).empty());
     }
   }
 }

@@ -96,6 +96,27 @@ TEST_CASE("scenes in which the default falls and Box2D's finest steps stand are 
   }
 }
 
+TEST_CASE("falls whose end depends on the step are no difference of physics", "[verifier][crosscheck_suite]") {
+  SKIP_UNLESS(!tool::box2d_version().empty(), "a build without Box2D");
+  const struct {
+    std::string_view scene, criterion;
+    tool::Agreement verdict;
+  } cases[]{{"leaning_falls", tool::top_criterion, tool::Agreement::expected},
+            {"slope_topples", tool::travel_criterion, tool::Agreement::not_applicable}};
+  for (const auto& [scene, criterion, verdict] : cases) {
+    CAPTURE(scene);
+    const tool::CrosscheckReport report = check(scene, 3);
+    for (const tool::CriterionResult& row : report.rows) {
+      if (row.solver != "tgs_soft") continue;
+      CAPTURE(row.criterion, row.reason);
+      CHECK(row.verdict != tool::Agreement::differ);
+      if (row.criterion != criterion) continue;
+      CHECK(row.difference > row.tolerance);
+      CHECK(row.verdict == verdict);
+    }
+  }
+}
+
 TEST_CASE("a solver without joints is not applicable to a chain, beside one that is", "[verifier][crosscheck_suite]") {
   SKIP_UNLESS(!tool::box2d_version().empty(), "a build without Box2D");
   const tool::CrosscheckReport report = check("hanging_chain", 1);
