@@ -6,6 +6,8 @@
 #include <vector>
 
 #include "tests/support/catch.h"
+#include "tests/support/scenes.h"
+#include "tool/crosscheck/crosscheck.h"
 
 namespace ticktrue::test {
 namespace {
@@ -124,6 +126,65 @@ TEST_CASE("what has no weight, no contact or too many contacts is not known to s
   box.bodies.back().weight = {0, -1};
   while (box.contacts.size() <= tool::statics_point_count_max) box.contacts.push_back(box.contacts.back());
   CHECK_FALSE(box.balances());
+}
+
+TEST_CASE("a run balances by the scene's own friction, whatever forces an engine reports", "[crosscheck][analytic]") {
+  // A box at rest on a slope, as an engine with any friction would report it.
+  const double angle = 0.3;  // tan = 0.309
+  const Point normal{-std::sin(angle), std::cos(angle)};
+  const Point along{std::cos(angle), std::sin(angle)};
+  Scene scene = empty_scene(Precision::f64);
+  scene.bodies = {body_of(box_shape(20, 1), {-normal.x, -normal.y}), unit_box({0.5 * normal.x, 0.5 * normal.y})};
+  scene.bodies[0].type = BodyType::static_body;
+  for (Body& body : scene.bodies) body.angle = angle;
+  const auto balances = [&](const Scene& now) {
+    const tool::CrosscheckLayout layout = tool::make_layout(now);
+    std::vector<engine::BodyReport> bodies(2);
+    for (std::uint32_t id = 0; id < 2; ++id) {
+      bodies[id].id = id;
+      bodies[id].center = now.bodies[id].position;
+      bodies[id].angle = now.bodies[id].angle;
+    }
+    engine::ContactReport contact;
+    contact.body_a = 0;
+    contact.body_b = 1;
+    contact.normal = normal;
+    contact.point_count = 2;
+    for (int i = 0; i < 2; ++i) {
+      const double half = i == 0 ? -0.5 : 0.5;
+      contact.point[i] = {half * along.x, half * along.y};
+      contact.normal_force[i] = 5;
+    }
+    tool::CrosscheckMeasure measure(layout, 0, 0);
+    const std::vector<engine::ContactReport> contacts{contact};
+    for (int tick = 1; tick <= 100; ++tick) measure.add(tick / 60.0, bodies, &contacts);
+    const tool::CrosscheckRun run = measure.finish();
+    CHECK(run.stood);
+    return run.balances;
+  };
+  const auto with_friction = [&](double of_ground, double of_box, engine::MixRule rule) {
+    Scene now = scene;
+    now.settings.friction_mix = rule;
+    now.bodies[0].shapes[0].material.friction = of_ground;
+    now.bodies[1].shapes[0].material.friction = of_box;
+    return balances(now);
+  };
+  using engine::MixRule;
+  CHECK(with_friction(0.31, 0.31, MixRule::geometric_mean));
+  CHECK_FALSE(with_friction(0.3, 0.3, MixRule::geometric_mean));
+  CHECK(with_friction(0.1, 0.31, MixRule::maximum));
+  CHECK_FALSE(with_friction(0.3, 1, MixRule::minimum));
+  CHECK(with_friction(0.1, 0.53, MixRule::average));
+  CHECK_FALSE(with_friction(0.1, 0.53, MixRule::geometric_mean));
+
+  Scene driven = scene;
+  for (Body& body : driven.bodies) body.shapes[0].material.friction = 1;
+  CHECK(balances(driven));
+  driven.bodies[0].shapes[0].material.tangent_speed = 1;
+  CHECK_FALSE(balances(driven));
+  driven = scene;
+  driven.forces.emplace_back();
+  CHECK_FALSE(balances(driven));
 }
 
 }  // namespace ticktrue::test
