@@ -310,8 +310,7 @@ class Comparison {
     if (const Status judged = judge_by_matched_skin(rows, ours, skin, finest_steps); !judged) return judged.error();
     const bool collapses = layout_.is_structure && topples(ours) && topples(box2d) && topples(**finest);
     if (collapses && can_refine(solver))
-      if (const Status judged = judge_collapse(rows, solver, ours, box2d, **finest, skin); !judged)
-        return judged.error();
+      if (const Status judged = run_collapse(rows, solver, ours, box2d, **finest, skin); !judged) return judged.error();
     return rows;
   }
 
@@ -388,13 +387,12 @@ class Comparison {
   }
 
   /// Where a collapse ends is known only if smaller steps of both engines leave it there. `finest`: of Box2D.
-  Status judge_collapse(std::vector<CriterionResult>& rows, SolverKind solver, const std::vector<CrosscheckRun>& ours,
-                        const std::vector<CrosscheckRun>& box2d, const std::vector<CrosscheckRun>& finest,
-                        double skin) {
+  Status run_collapse(std::vector<CriterionResult>& rows, SolverKind solver, const std::vector<CrosscheckRun>& ours,
+                      const std::vector<CrosscheckRun>& box2d, const std::vector<CrosscheckRun>& finest, double skin) {
     const auto is_asked = [](const CriterionResult& row) {
       return row.verdict == Agreement::differ && is_of_extent(row);
     };
-    if (!std::any_of(rows.begin(), rows.end(), is_asked)) return {};
+    if (std::none_of(rows.begin(), rows.end(), is_asked)) return {};
     const std::vector<CriterionResult> theirs_moved = compare_runs(layout_, finest, box2d, skin);
     for (const int steps : finer_steps_per_tick) {
       std::vector<Job> jobs;
@@ -405,17 +403,7 @@ class Comparison {
       const std::vector<CrosscheckRun> finer = runs_of(*outcomes, 0, outcomes->size());
       const std::vector<CriterionResult> with_finer = compare_runs(layout_, finer, finest, skin);
       const std::vector<CriterionResult> moved = compare_runs(layout_, finer, ours, 0);
-      for (CriterionResult& row : rows) {
-        const CriterionResult* fine = find_row(with_finer, row.criterion);
-        if (!is_asked(row) || !fine) continue;
-        const bool ours_moves = !agrees(find_row(moved, row.criterion));
-        if (!agrees(fine) && !ours_moves && agrees(find_row(theirs_moved, row.criterion))) continue;
-        row.verdict = agrees(fine) ? Agreement::expected : Agreement::not_applicable;
-        const std::string outcome = fmt::format("with {} steps a tick ours {}, Box2D's {:.4g}", steps,
-                                                outcome_text(row, fine->ours), mean_of(fine->box2d));
-        row.reason = agrees(fine) ? fmt::format("how it falls depends on the step: {}", outcome)
-                                  : fmt::format("not judged: smaller steps end the fall elsewhere; {}", outcome);
-      }
+      judge_collapse(rows, with_finer, moved, theirs_moved, steps);
     }
     return {};
   }
@@ -489,6 +477,22 @@ void judge_by_finest(std::vector<CriterionResult>& rows, const std::vector<Crite
       row.reason = fmt::format("Box2D has not converged: with {} steps a tick it {}", steps_per_tick,
                                outcome_text(row, fine.box2d));
     }
+  }
+}
+
+void judge_collapse(std::vector<CriterionResult>& rows, const std::vector<CriterionResult>& with_finer,
+                    const std::vector<CriterionResult>& ours_moved, const std::vector<CriterionResult>& theirs_moved,
+                    int steps_per_tick) {
+  for (CriterionResult& row : rows) {
+    const CriterionResult* fine = find_row(with_finer, row.criterion);
+    if (row.verdict != Agreement::differ || !is_of_extent(row) || !fine) continue;
+    const bool is_known = agrees(find_row(ours_moved, row.criterion)) && agrees(find_row(theirs_moved, row.criterion));
+    if (!agrees(fine) && is_known) continue;
+    row.verdict = agrees(fine) ? Agreement::expected : Agreement::not_applicable;
+    const std::string outcome = fmt::format("with {} steps a tick ours {}, Box2D's {:.4g}", steps_per_tick,
+                                            outcome_text(row, fine->ours), mean_of(fine->box2d));
+    row.reason = agrees(fine) ? fmt::format("how it falls depends on the step: {}", outcome)
+                              : fmt::format("not judged: smaller steps end the fall elsewhere; {}", outcome);
   }
 }
 

@@ -190,6 +190,14 @@ std::vector<CriterionResult> compare_runs(const CrosscheckLayout& layout, const 
 void judge_by_finest(std::vector<CriterionResult>& rows, const std::vector<CriterionResult>& finest,
                      int steps_per_tick);
 
+/// Corrects top height and `slides or holds` of a structure that topples in every run. `with_finer`: ours with smaller
+/// steps against Box2D's finest; `ours_moved`, `theirs_moved`: smaller steps of each against its own. A difference is
+/// `expected` if ours agrees with smaller steps, and stays if it does not and nobody's end moves with the step.
+/// Otherwise nobody knows the end: not applicable.
+void judge_collapse(std::vector<CriterionResult>& rows, const std::vector<CriterionResult>& with_finer,
+                    const std::vector<CriterionResult>& ours_moved, const std::vector<CriterionResult>& theirs_moved,
+                    int steps_per_tick);
+
 /// Corrects `stands` by what statics says, whoever drops the structure. Requires of every run of `own_finest`, ours
 /// with smaller steps, that it stands at rest and that forces balance it (statics.h, without a solver). Then ours
 /// differs if it falls, also where Box2D's finest steps fall; and if ours stands at rest too, the fall of Box2D's

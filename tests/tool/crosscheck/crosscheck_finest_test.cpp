@@ -153,6 +153,24 @@ TEST_CASE("what stands at rest with smaller steps can stand, also where Box2D's 
   CHECK(verdict(1, 0, 0, true, true, false) == Agreement::differ);
 }
 
+TEST_CASE("a fall that ends elsewhere differs unless smaller steps move its end", "[verifier][crosscheck][analytic]") {
+  // Where the fall ends, m: ours and Box2D, then both with smaller steps.
+  const auto verdict = [](double ours, double box2d, double ours_finer, double finest,
+                          std::string_view criterion = tool::top_criterion) {
+    std::vector<CriterionResult> rows{row_of(criterion, ours, box2d, 0.1)};
+    tool::judge_collapse(rows, {row_of(criterion, ours_finer, finest, 0.1)}, {row_of(criterion, ours_finer, ours, 0.1)},
+                         {row_of(criterion, finest, box2d, 0.1)}, 16);
+    return rows[0].verdict;
+  };
+  CHECK(verdict(1, 2, 1, 2) == Agreement::differ);
+  CHECK(verdict(1, 2, 2, 2) == Agreement::expected);
+  CHECK(verdict(1, 2, 1, 1) == Agreement::expected);
+  CHECK(verdict(1, 2, 1.5, 2) == Agreement::not_applicable);
+  CHECK(verdict(1, 2, 1, 2.5) == Agreement::not_applicable);
+  CHECK(verdict(1, 1, 3, 2) == Agreement::agree);
+  CHECK(verdict(1, 2, 2, 2, tool::joints_criterion) == Agreement::differ);  // judged elsewhere
+}
+
 TEST_CASE("boxes of growing mass stand, though Box2D's finest steps drop them", "[verifier][crosscheck][equivalence]") {
   SKIP_UNLESS(!tool::box2d_version().empty(), "a build without Box2D");
   const tool::CrosscheckReport by_default = checked(growing_stack(false), 1, 6);
